@@ -1,0 +1,30 @@
+#pragma once
+/// The subcommands of talus. Each returns the exit code.
+
+#include <string>
+
+namespace talus {
+
+inline constexpr int exit_input = 2;   ///< the input is not right
+inline constexpr int exit_failed = 3;  ///< the run broke
+
+struct RunOptions {
+  std::string case_file;
+  std::string out;      ///< folder for results; empty: out/NAME
+  int threads = 0;      ///< 0: as many as there are processors
+  std::string until;    ///< such as "0.1 s"; empty: the case's own end
+  bool overwrite = false;
+};
+int run_case(const RunOptions& options);
+
+int check_case(const std::string& case_file, int threads);
+
+struct ElementOptions {
+  std::string test_file;
+  std::string out;  ///< CSV file; empty: standard output
+};
+int run_element(const ElementOptions& options);
+
+int list_everything();
+
+}  // namespace talus

@@ -1,0 +1,48 @@
+#include "talus/app/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+
+namespace talus {
+
+/// Back to the start of the terminal's line, and clear it.
+constexpr const char* to_line_start = "\r\033[K";
+
+std::string duration_in_words(double seconds) {
+  if (!std::isfinite(seconds)) return "?";
+  const long s = std::lround(seconds);
+  if (s < 60) return fmt::format("{} s", s);
+  if (s < 3600) return fmt::format("{}:{:02} min", s / 60, s % 60);
+  return fmt::format("{}:{:02} h", s / 3600, s / 60 % 60);
+}
+
+Progress::Progress(double end)
+    : end_(end), live_(isatty(STDERR_FILENO)), start_(std::chrono::steady_clock::now()), last_shown_(start_) {}
+
+double Progress::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+std::string Progress::line(const Ledger& l, long n_particles) const {
+  const double spent = seconds(), left = l.time > 0 ? spent * (end_ - l.time) / l.time : INFINITY;
+  return fmt::format("t = {:.4f} of {:.4g} s   step {}   {:.2f} M particle-steps/s   {} left", l.time, end_, l.step,
+                     1e-6 * double(n_particles) * double(l.step) / std::max(spent, 1e-9), duration_in_words(std::max(0.0, left)));
+}
+
+void Progress::show(const Ledger& ledger, long n_particles) {
+  const auto now = std::chrono::steady_clock::now();
+  const double since = std::chrono::duration<double>(now - last_shown_).count();
+  // A terminal is refreshed five times a second; a log gets a line every tenth minute at most, sooner in short runs.
+  if (since < (live_ ? 0.2 : std::clamp(seconds() / 4, 5.0, 600.0))) return;
+  last_shown_ = now;
+  fmt::print(stderr, "{}{}{}", live_ ? to_line_start : "", line(ledger, n_particles), live_ ? "" : "\n");
+  std::fflush(stderr);
+}
+
+void Progress::finish(const Ledger& ledger, long n_particles) {
+  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.2f} M particle-steps/s   took {}\n", live_ ? to_line_start : "", ledger.time, ledger.step,
+             1e-6 * double(n_particles) * double(ledger.step) / std::max(seconds(), 1e-9), duration_in_words(seconds()));
+}
+
+}  // namespace talus

@@ -1,0 +1,31 @@
+#pragma once
+/// How far a run is: one live line on a terminal, a line now and then in a log.
+
+#include <chrono>
+#include <string>
+
+#include "talus/mpm/simulation.hpp"
+
+namespace talus {
+
+class Progress {
+ public:
+  explicit Progress(double end);
+  /// To be called every step; prints when it is time to.
+  void show(const Ledger& ledger, long n_particles);
+  /// Ends the live line.
+  void finish(const Ledger& ledger, long n_particles);
+  double seconds() const;
+
+ private:
+  std::string line(const Ledger& ledger, long n_particles) const;
+
+  double end_;
+  bool live_;
+  std::chrono::steady_clock::time_point start_, last_shown_;
+};
+
+/// 75 -> "1:15 min", 7200 -> "2:00 h".
+std::string duration_in_words(double seconds);
+
+}  // namespace talus

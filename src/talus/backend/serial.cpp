@@ -1,0 +1,19 @@
+#include "talus/backend/backend.hpp"
+
+namespace talus {
+
+namespace {
+
+class Serial final : public Loop {
+ public:
+  int n_workers() const override { return 1; }
+  void for_each(int n, const std::function<void(int, int)>& body) override {
+    for (int i = 0; i < n; ++i) body(i, 0);
+  }
+};
+
+}  // namespace
+
+std::unique_ptr<Loop> make_serial() { return std::make_unique<Serial>(); }
+
+}  // namespace talus

@@ -1,0 +1,58 @@
+#pragma once
+/// A table of doubles stored column by column.
+
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace talus {
+
+/// Columns of equal length, each contiguous and aligned to a cache line.
+class Columns {
+ public:
+  explicit Columns(int n_columns) : data_(n_columns) {}
+
+  int n_columns() const { return int(data_.size()); }
+  int size() const { return size_; }
+  double* column(int c) { return data_[c].get(); }
+  const double* column(int c) const { return data_[c].get(); }
+
+  /// Keeps the first rows; new ones hold zeros.
+  void resize(int n) {
+    for (auto& column : data_) {
+      Storage larger = allocate(n);
+      std::copy(column.get(), column.get() + std::min(size_, n), larger.get());
+      column = std::move(larger);
+    }
+    size_ = n;
+  }
+
+  /// Row i becomes the former row order[i], in one column. `spare` is used as working space and has at least size() entries.
+  void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {
+    double* values = data_[c].get();
+    for (int i = 0; i < size_; ++i) spare[i] = values[order[i]];
+    std::copy(spare.begin(), spare.begin() + size_, values);
+  }
+
+ private:
+  struct Free {
+    void operator()(double* p) const { std::free(p); }
+  };
+  using Storage = std::unique_ptr<double[], Free>;
+
+  static Storage allocate(int n) {
+    constexpr std::size_t line = 64;
+    const std::size_t bytes = (std::size_t(n) * sizeof(double) / line + 1) * line;
+    double* p = static_cast<double*>(std::aligned_alloc(line, bytes));
+    if (!p) throw std::bad_alloc();
+    std::fill(p, p + bytes / sizeof(double), 0.0);
+    return Storage(p);
+  }
+
+  std::vector<Storage> data_;
+  int size_ = 0;
+};
+
+}  // namespace talus

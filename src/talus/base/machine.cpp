@@ -1,0 +1,50 @@
+#include "talus/base/machine.hpp"
+
+#include <ctime>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "talus/base/portability.hpp"
+
+namespace talus {
+
+namespace {
+
+/// The value of the first line "key : value" of a file.
+std::string line_of(const char* path, const std::string& key) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind(key, 0) == 0) {
+      const auto colon = line.find(':');
+      const auto first = line.find_first_not_of(" \t", colon + 1);
+      return first == line.npos ? "" : line.substr(first);
+    }
+  return "";
+}
+
+}  // namespace
+
+std::string version() { return TALUS_VERSION; }
+
+std::string build() { return std::string("gcc ") + __VERSION__ + (has_fma ? ", x86-64-v3" : ", baseline"); }
+
+std::string processor() {
+  const std::string name = line_of("/proc/cpuinfo", "model name");
+  return name.empty() ? "unknown processor" : name;
+}
+
+int n_processors() { return int(std::max(1u, std::thread::hardware_concurrency())); }
+
+double free_memory() {
+  const std::string kib = line_of("/proc/meminfo", "MemAvailable");
+  return kib.empty() ? 0 : 1024 * std::stod(kib);
+}
+
+double cpu_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+}  // namespace talus

@@ -1,0 +1,110 @@
+#include "talus/base/units.hpp"
+
+#include <fmt/format.h>
+#include <udunits2.h>
+
+#include <charconv>
+#include <cmath>
+#include <memory>
+#include <mutex>
+#include <numbers>
+#include <stdexcept>
+
+namespace talus {
+
+namespace {
+
+struct FreeUnit {
+  void operator()(ut_unit* u) const { ut_free(u); }
+};
+using Unit = std::unique_ptr<ut_unit, FreeUnit>;
+
+/// The units there are. UDUNITS is not thread-safe: callers hold `mutex`.
+struct UnitSystem {
+  std::mutex mutex;
+  ut_system* system;
+
+  UnitSystem() {
+    ut_set_error_message_handler(ut_ignore);
+    system = ut_read_xml(nullptr);
+    if (!system) throw std::runtime_error("the table of units of UDUNITS-2 is missing; install libudunits2-0");
+    const Unit degree(ut_parse(system, "degree", UT_ASCII));
+    ut_map_name_to_unit("deg", UT_ASCII, degree.get());
+  }
+};
+UnitSystem& units() {
+  static UnitSystem instance;
+  return instance;
+}
+
+struct Measure {
+  std::string_view unit, name, example;
+};
+constexpr Measure measures[] = {
+    {"m", "a length", "2 mm"},         {"s", "a time", "0.5 s"},          {"Pa", "a pressure", "100 kPa"},
+    {"rad", "an angle", "20.9 deg"},   {"m/s", "a velocity", "0.1 m/s"},  {"m/s2", "an acceleration", "9.81 m/s2"},
+    {"kg/m3", "a density", "2500 kg/m3"}, {"1/s", "a rate", "0.1 1/s"},   {"1/s2", "an acceleration of strain", "50 1/s2"},
+    {"Pa/s", "a rate of pressure", "1 kPa/s"},
+};
+
+/// UDUNITS counts angles as pure numbers and converts one into the other; we do not.
+bool is_angle(const ut_unit* u) {
+  char definition[256];
+  return ut_format(u, definition, sizeof definition, UT_ASCII | UT_DEFINITION) > 0 && std::string_view(definition).find("rad") != std::string_view::npos;
+}
+
+std::string_view trimmed(std::string_view s) {
+  while (!s.empty() && std::isspace(static_cast<unsigned char>(s.front()))) s.remove_prefix(1);
+  while (!s.empty() && std::isspace(static_cast<unsigned char>(s.back()))) s.remove_suffix(1);
+  return s;
+}
+
+}  // namespace
+
+std::variant<double, std::string> to_si(std::string_view text, std::string_view unit) {
+  const std::string expected = "not " + what_is_measured_in(unit) + "; write " + example_of(unit);
+  std::string_view rest = trimmed(text);
+  if (!rest.empty() && rest.front() == '+') rest.remove_prefix(1);
+  double number = 0;
+  const auto parsed = std::from_chars(rest.data(), rest.data() + rest.size(), number);
+  if (parsed.ec != std::errc() || !std::isfinite(number)) return expected;
+  rest = trimmed(rest.substr(parsed.ptr - rest.data()));
+  if (rest.empty()) return "lacks its unit; write " + example_of(unit);
+
+  if (std::isdigit(static_cast<unsigned char>(rest.front())) && rest.substr(0, 2) != "1/") return expected;  // "3 4 mm" is no product
+
+  UnitSystem& u = units();
+  const std::lock_guard lock(u.mutex);
+  const Unit given(ut_parse(u.system, std::string(rest).c_str(), UT_UTF8));
+  if (!given) return fmt::format("has the unknown unit `{}`; write {}", rest, example_of(unit));
+  const Unit wanted(ut_parse(u.system, std::string(unit).c_str(), UT_UTF8));
+  if (!ut_are_convertible(given.get(), wanted.get()) || is_angle(given.get()) != is_angle(wanted.get())) return expected;
+  cv_converter* converter = ut_get_converter(given.get(), wanted.get());
+  const double si = cv_convert_double(converter, number);
+  cv_free(converter);
+  if (!std::isfinite(si)) return expected;
+  return si;
+}
+
+std::string what_is_measured_in(std::string_view unit) {
+  for (const Measure& m : measures)
+    if (m.unit == unit) return std::string(m.name);
+  return fmt::format("a quantity in {}", unit);
+}
+
+std::string with_unit(double value, std::string_view unit) {
+  if (unit == "1") return fmt::format("{:.10g}", value);
+  if (unit == "rad") return fmt::format("{:.10g} deg", value * 180 / std::numbers::pi);
+  if (unit == "m" && value != 0 && std::abs(value) < 1) return fmt::format("{:.10g} mm", value * 1e3);
+  if (unit == "Pa" && std::abs(value) >= 1e3) return fmt::format("{:.10g} kPa", value / 1e3);
+  if (unit == "s" && value != 0 && std::abs(value) < 1) return fmt::format("{:.10g} ms", value * 1e3);
+  return fmt::format("{:.10g} {}", value, unit);
+}
+
+std::string example_of(std::string_view unit) {
+  for (const Measure& m : measures)
+    if (m.unit == unit) return fmt::format("\"{}\"", m.example);
+  return fmt::format("\"1 {}\"", unit);
+}
+
+}  // namespace talus

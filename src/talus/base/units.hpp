@@ -1,0 +1,23 @@
+#pragma once
+/// Numbers with units, as users write them: "2 mm", "20.9 deg", "9.81 m/s2".
+
+#include <string>
+#include <string_view>
+#include <variant>
+
+namespace talus {
+
+/// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence why it has none.
+/// Units are those of UDUNITS-2, and deg.
+std::variant<double, std::string> to_si(std::string_view text, std::string_view unit);
+
+/// What a unit measures, for messages: "a length" for "m". The unit itself where there is no word for it.
+std::string what_is_measured_in(std::string_view unit);
+
+/// A value in SI, written shortly with its unit; bare for the unit "1".
+std::string with_unit(double value, std::string_view unit);
+
+/// An example of how to write a quantity with this unit, quoted: "\"2 mm\"".
+std::string example_of(std::string_view unit);
+
+}  // namespace talus

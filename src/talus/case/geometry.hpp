@@ -1,0 +1,47 @@
+#pragma once
+/// Shapes that bodies are cut from. Lengths in m; in plane strain the third coordinate does not count.
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "talus/math/vec.hpp"
+
+namespace talus {
+
+/// All points between two corners.
+struct Box {
+  Vec<3> min, max;
+};
+
+/// An upright circular cylinder on its base's centre, along the last axis; in plane strain a disk around its centre.
+struct Cylinder {
+  Vec<3> centre;
+  double radius;
+  double height;  ///< not used in plane strain
+};
+
+/// A polygon in the vertical plane of the first and last axis, its corners in either sense. In 3D it reaches from `from` to `to` along the second axis.
+struct Polygon {
+  std::vector<Vec<2>> corners;
+  double from, to;
+};
+
+using Region = std::variant<Box, Cylinder, Polygon>;
+
+/// The smallest box around a shape.
+Box bounding_box(const Region& region, int dim);
+
+/// Whether a point lies in a shape; points on the boundary do.
+bool contains(const Region& region, const Vec<3>& x, int dim);
+
+/// Volume [m3], or in plane strain area times a metre.
+double volume(const Region& region, int dim);
+
+/// Height of the shape's surface straight above a point inside [m]: the length of the vertical line from the point to where it leaves the shape for good.
+double depth_below_surface(const Region& region, const Vec<3>& x, int dim);
+
+/// Why a shape is none, or nothing.
+std::string fault(const Region& region, int dim);
+
+}  // namespace talus

@@ -1,0 +1,41 @@
+#pragma once
+/// From an input file to a case or an element test.
+
+#include <string>
+#include <vector>
+
+#include "talus/base/error.hpp"
+#include "talus/case/case.hpp"
+#include "talus/case/loading.hpp"
+
+namespace talus {
+
+/// One setting as it was understood.
+struct Understood {
+  std::string path;   ///< "material.glass.d"
+  std::string value;  ///< with unit
+  bool by_default;    ///< the user did not say it
+  std::string meaning;
+};
+
+struct CaseFile {
+  Case what;
+  std::vector<Understood> understood;
+};
+struct ElementTestFile {
+  ElementTest what;
+  std::vector<Understood> understood;
+};
+
+/// Reads and checks a file. Throws InputError with every mistake at once.
+CaseFile read_case(const std::string& path);
+ElementTestFile read_element_test(const std::string& path);
+
+/// The same from a text; `name` stands for the file in messages, `folder` is where files it names are looked for.
+CaseFile read_case_text(const std::string& name, std::string_view text);
+ElementTestFile read_element_test_text(const std::string& name, std::string_view text, const std::string& folder);
+
+/// About how many particles a case will have.
+double estimated_particles(const Case& what);
+
+}  // namespace talus

@@ -1,0 +1,390 @@
+#include "talus/element/driver.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "talus/base/error.hpp"
+#include "talus/mechanics/invariants.hpp"
+
+namespace talus {
+
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+
+/// A tension-positive tensor as the compression-positive vector that element tests speak in, and back.
+Vector6 in_soil_sign(const SymTensor<double>& a) {
+  const SymTensor<double> b = opposite_sign(a);
+  Vector6 v;
+  for (int i = 0; i < 6; ++i) v[i] = b[i];
+  return v;
+}
+SymTensor<double> from_soil_sign(const Vector6& v) { return opposite_sign(SymTensor<double>{v[0], v[1], v[2], v[3], v[4], v[5]}); }
+
+/// Strain rate and strain since the start of the segment, of a table of rates.
+struct TableMotion {
+  Vector6 rate, strain;
+};
+TableMotion follow(const std::vector<RateInstant>& table, double t) {
+  const auto rate_at = [&](std::size_t i) { return Vector6(table[i].rate.data()); };
+  TableMotion m{rate_at(0), Vector6::Zero()};
+  for (std::size_t i = 1; i < table.size(); ++i) {
+    const double t0 = table[i - 1].time, t1 = std::min(t, table[i].time);
+    if (t1 <= t0) break;
+    const double share = (t1 - t0) / (table[i].time - t0);
+    m.rate = rate_at(i - 1) + share * (rate_at(i) - rate_at(i - 1));
+    m.strain += 0.5 * (t1 - t0) * (rate_at(i - 1) + m.rate);
+  }
+  return m;
+}
+
+bool strain_only(const Segment& segment) {
+  return !segment.history.empty() || std::all_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
+    return std::all_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s == 0; });
+  });
+}
+
+/// Whether the strain goes along a straight line, so that the law's own error control is all that is needed.
+bool straight(const Segment& segment) {
+  if (!segment.history.empty() || !strain_only(segment)) return false;
+  // rate and acceleration of all controls are parallel
+  for (const Control& a : segment.controls)
+    for (const Control& b : segment.controls)
+      if (std::abs(a.rate * b.acceleration - b.rate * a.acceleration) > 1e-14 * std::abs(a.rate * b.acceleration)) return false;
+  return true;
+}
+
+/// Instants inside a segment at which a strain rate changes its sign or its slope: no step may pass over one.
+std::vector<double> corners(const Segment& segment) {
+  std::vector<double> times;
+  for (const RateInstant& r : segment.history) times.push_back(r.time);
+  if (segment.history.empty())
+    for (const Control& c : segment.controls)
+      if (!c.to_target && c.acceleration != 0) times.push_back(-c.rate / c.acceleration);
+  std::erase_if(times, [&](double t) { return !(t > 0 && t < segment.duration); });
+  std::sort(times.begin(), times.end());
+  return times;
+}
+
+template <class Law>
+class Driver {
+ public:
+  using State = typename Law::template State<double>;
+
+  Driver(const ElementTest& test, const Law& law) : test_(test), law_(law) {
+    InitialState initial = test.initial;
+    if (!test.segments.empty()) initial.strain_rate = from_soil_sign(rate_at(test.segments[0], 0, Vector6::Zero()));
+    auto state = law.at_rest(initial);
+    if (const auto* reason = std::get_if<std::string>(&state)) throw InputError("the initial state is impossible: " + *reason);
+    now_ = {std::get<State>(state), Vector6::Zero(), in_soil_sign(initial.strain_rate), double(Outcome::elastic)};
+    // The rates of the start act from the start: with no strain yet, only what depends on the rate answers.
+    update(now_, Vector6::Zero(), now_.rate, 0);
+    now_.outcome = double(Outcome::elastic);
+    largest_stress_ = norm(stress(now_));
+  }
+
+  ElementResult run() {
+    name_columns();
+    report(0);
+    double start = 0;
+    for (const Segment& segment : test_.segments) {
+      run_segment(segment, start);
+      start += segment.duration;
+    }
+    return std::move(result_);
+  }
+
+ private:
+  /// The material and how it has been moved; strain and rate compression-positive.
+  struct Now {
+    State state;
+    Vector6 strain, rate;
+    double outcome;
+  };
+
+  static Vector6 stress_of(const State& state) { return in_soil_sign(Law::total_stress(state)); }
+  Vector6 stress(const Now& now) const { return stress_of(now.state); }
+  static double norm(const Vector6& s) { return std::sqrt(s.head<3>().squaredNorm() + 2 * s.tail<3>().squaredNorm()); }
+
+  void update(Now& now, const Vector6& strain_increment, const Vector6& rate, double dt) {
+    const Motion<double> motion{from_soil_sign(strain_increment), from_soil_sign(rate), dt};
+    const Response<double> r = law_.update(now.state, motion, test_.integration);
+    ++result_.n_updates;
+    result_.n_unconverged += r.outcome == double(Outcome::unconverged);
+    now.strain += strain_increment;
+    now.rate = rate;
+    now.outcome = r.outcome;
+  }
+
+  // ---- what a segment asks for ------------------------------------------------------------------------------
+
+  static double value_at(const Control& c, double t, double at_start, double duration) {
+    if (c.to_target) return at_start + (c.target - at_start) * (t / duration);
+    return at_start + c.rate * t + 0.5 * c.acceleration * t * t;
+  }
+  static Vector6 rate_at(const Segment& segment, double t, const Vector6& otherwise) {
+    if (!segment.history.empty()) return follow(segment.history, t).rate;
+    Vector6 rate = otherwise;
+    // A control on a single strain component gives its rate outright.
+    for (const Control& c : segment.controls)
+      for (int i = 0; i < 6; ++i)
+        if (is_strain(c, i)) rate[i] = (c.rate + c.acceleration * t) / c.of_strain[i];
+    return rate;
+  }
+  static bool is_strain(const Control& c, int component) {
+    for (int i = 0; i < 6; ++i)
+      if (c.of_stress[i] != 0 || (i != component && c.of_strain[i] != 0)) return false;
+    return c.of_strain[component] != 0;
+  }
+
+  // ---- stepping -----------------------------------------------------------------------------------------------
+
+  void run_segment(const Segment& segment, double start) {
+    start_strain_ = now_.strain;
+    start_values_ = Vector6::Zero();
+    const Vector6 s = stress(now_);
+    for (int r = 0; r < 6; ++r)
+      for (int i = 0; i < 6; ++i)
+        start_values_[r] += segment.controls[r].of_strain[i] * now_.strain[i] + segment.controls[r].of_stress[i] * s[i];
+    jacobian_known_ = false;
+    std::vector<double> stops = corners(segment);
+    for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.duration * row / segment.rows);
+    std::sort(stops.begin(), stops.end());
+    const bool one_step = straight(segment) && !has_history;
+    double t = 0, step = segment.duration / segment.rows;
+    std::size_t next_row = 1;
+    for (double stop : stops) {
+      if (stop <= t) {
+        if (stop < t) continue;
+      } else if (one_step) {
+        if (!advance(now_, segment, t, stop)) fail(segment, start, t);
+        t = stop;
+      } else {
+        step = advance_with_error_control(segment, start, t, stop, step);
+        t = stop;
+      }
+      largest_stress_ = std::max(largest_stress_, norm(stress(now_)));
+      if (next_row <= std::size_t(segment.rows) && stop == segment.duration * double(next_row) / segment.rows) {
+        report(start + stop);
+        ++next_row;
+      }
+    }
+  }
+
+  /// From t to `stop` in steps whose error, the difference between one step and two halves, stays below the tolerance. Returns a step to go on with.
+  double advance_with_error_control(const Segment& segment, double start, double t, double stop, double step) {
+    const double shortest = 1e-6 * segment.duration;
+    while (t < stop) {
+      const double end = step >= stop - t ? stop : t + step;
+      const double middle = 0.5 * (t + end);
+      Now whole = now_, halves = now_;
+      const bool met = advance(whole, segment, t, end) && advance(halves, segment, t, middle) && advance(halves, segment, middle, end);
+      const double scale = std::max(norm(stress(halves)), 1e-3 * largest_stress_);
+      const double error = met ? (scale > 0 ? norm(stress(whole) - stress(halves)) / scale : 0) : 1e30;
+      if (error > test_.tolerance && end - t > shortest) {
+        step = (end - t) * (met ? std::clamp(0.9 * std::cbrt(test_.tolerance / error), 0.1, 0.7) : 0.25);
+        continue;
+      }
+      if (!met) fail(segment, start, t);
+      now_ = halves;
+      const double grown = (end - t) * std::clamp(0.9 * std::cbrt(test_.tolerance / std::max(error, 1e-30)), 0.3, 3.0);
+      step = end == stop ? std::max(step, grown) : grown;
+      t = end;
+    }
+    return step;
+  }
+
+  /// One step. False if the controlled stresses cannot be met.
+  bool advance(Now& now, const Segment& segment, double t, double end) {
+    if (!segment.history.empty()) {
+      const TableMotion m = follow(segment.history, end);
+      update(now, start_strain_ + m.strain - now.strain, m.rate, end - t);
+      return true;
+    }
+    if (strain_only(segment)) {
+      Matrix6 A;
+      Vector6 demand;
+      for (int r = 0; r < 6; ++r) {
+        for (int i = 0; i < 6; ++i) A(r, i) = segment.controls[r].of_strain[i];
+        demand[r] = value_at(segment.controls[r], end, start_values_[r], segment.duration);
+      }
+      const Vector6 strain = A.partialPivLu().solve(demand);
+      const Vector6 increment = strain - now.strain;
+      update(now, increment, rate_at(segment, end, increment / (end - t)), end - t);
+      return true;
+    }
+    return advance_mixed(now, segment, t, end);
+  }
+
+  /// Newton's method on the six controls, with a Jacobian from differences that Broyden's update keeps alive.
+  bool advance_mixed(Now& now, const Segment& segment, double t, double end) {
+    const double dt = end - t;
+    Vector6 demand;
+    for (int r = 0; r < 6; ++r) demand[r] = value_at(segment.controls[r], end, start_values_[r], segment.duration);
+    const auto moved = [&](const Vector6& increment) {
+      Now next = now;
+      update(next, increment, rate_at(segment, end, increment / dt), dt);
+      return next;
+    };
+    const double stress_scale = std::max(norm(stress(now)), 1e-6 * largest_stress_);
+    const double tight = 1e-9 * std::max(stress_scale, 1e-12);
+    const auto residual = [&](const Now& next) {
+      Vector6 r;
+      const Vector6 s = stress(next);
+      for (int k = 0; k < 6; ++k) {
+        r[k] = -demand[k];
+        for (int i = 0; i < 6; ++i) r[k] += segment.controls[k].of_strain[i] * next.strain[i] + segment.controls[k].of_stress[i] * s[i];
+      }
+      return r;
+    };
+    const auto is_stress = [&](int k) { return std::any_of(segment.controls[k].of_stress.begin(), segment.controls[k].of_stress.end(), [](double c) { return c != 0; }); };
+    const auto small = [&](const Vector6& r) {
+      for (int k = 0; k < 6; ++k)
+        if (!(std::abs(r[k]) <= (is_stress(k) ? tight : 1e-14))) return false;
+      return true;
+    };
+
+    Vector6 increment = dt * now.rate;
+    for (int k = 0; k < 6; ++k)
+      for (int i = 0; i < 6; ++i)
+        if (is_strain(segment.controls[k], i)) increment[i] = demand[k] / segment.controls[k].of_strain[i] - now.strain[i];
+    Now next = moved(increment);
+    Vector6 r = residual(next);
+    bool fresh = false;
+    for (int iteration = 0; iteration < 60 && !small(r); ++iteration) {
+      if (!jacobian_known_ || (iteration > 0 && iteration % 12 == 0)) {
+        const double size = std::max(1e-4 * increment.norm(), 1e-9);
+        for (int i = 0; i < 6; ++i) {
+          Vector6 shifted = increment;
+          shifted[i] += size;
+          jacobian_.col(i) = (residual(moved(shifted)) - r) / size;
+        }
+        jacobian_known_ = fresh = true;
+      }
+      // Strain rows are of another size than stress rows.
+      Vector6 row_scale = jacobian_.cwiseAbs().rowwise().maxCoeff();
+      for (int k = 0; k < 6; ++k)
+        if (!(row_scale[k] > 0)) row_scale[k] = 1;
+      const Matrix6 scaled = row_scale.cwiseInverse().asDiagonal() * jacobian_;
+      const Eigen::FullPivLU<Matrix6> lu(scaled);
+      Vector6 change = -lu.solve(row_scale.cwiseInverse().cwiseProduct(r));
+      if (!change.allFinite()) break;
+      // More strain than this in one step means that the material gives way; a shorter step will tell.
+      const double longest = 0.02, length = (increment + change).norm();
+      if (length > longest) {
+        if (increment.norm() >= 0.999 * longest) break;
+        change = (longest / length) * (increment + change) - increment;
+      }
+      const double old = r.norm();
+      Now trial = moved(increment + change);
+      Vector6 trial_r = residual(trial);
+      for (int cut = 0; cut < 6 && !(trial_r.norm() < 2 * old); ++cut) {
+        change *= 0.5;
+        trial = moved(increment + change);
+        trial_r = residual(trial);
+      }
+      const Vector6 predicted = jacobian_ * change;
+      if (change.squaredNorm() > 0) jacobian_ += (trial_r - r - predicted) * change.transpose() / change.squaredNorm();
+      if (!(trial_r.norm() < 0.9 * old) && !fresh) jacobian_known_ = false;
+      fresh = false;
+      increment += change;
+      next = trial;
+      r = trial_r;
+    }
+    if (!small(r)) {
+      jacobian_known_ = false;
+      int worst = 0;
+      for (int k = 0; k < 6; ++k)
+        if (is_stress(k) && !(std::abs(r[k]) <= std::abs(r[worst]))) worst = k;
+      worst_ = worst;
+      missed_ = r[worst];
+      return false;
+    }
+    now = next;
+    return true;
+  }
+
+  [[noreturn]] void fail(const Segment& segment, double start, double t) {
+    throw RunError(fmt::format("the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {:.4g} Pa are missing in the smallest step. "
+                               "The material may have failed or lost its pressure there; control a strain instead, or end the segment earlier.",
+                               segment.controls[worst_].name, start + t, t, segment.duration, std::abs(missed_)));
+  }
+
+  // ---- reporting ------------------------------------------------------------------------------------------------
+
+  void name_columns() {
+    const auto column = [&](std::string name, std::string unit, std::string meaning) {
+      result_.names.push_back(std::move(name));
+      result_.units.push_back(std::move(unit));
+      result_.meanings.push_back(std::move(meaning));
+    };
+    const auto tensor = [&](const std::string& name, const std::string& unit, const std::string& meaning) {
+      for (const char* c : SymTensor<double>::component_names) column(name + "_" + c, unit, meaning);
+    };
+    column("time", "s", "time since the start");
+    tensor("strain", "1", "strain, compression-positive");
+    tensor("strain_rate", "1/s", "strain rate, compression-positive");
+    tensor("stress", "Pa", "total stress, compression-positive");
+    column("p", "Pa", "mean pressure of the total stress");
+    column("q", "Pa", "von Mises stress of the total stress");
+    for (const auto& q : Law::quantities()) {
+      if (q.components == 6)
+        tensor(std::string(q.name), std::string(q.unit), std::string(q.meaning) + ", compression-positive");
+      else
+        column(std::string(q.name), std::string(q.unit), std::string(q.meaning));
+    }
+    column("phase", "1", "0 elastic, 1 plastic, 2 at zero pressure, 3 separated, 4 not converged");
+  }
+
+  void report(double time) {
+    std::vector<double> row{time};
+    const auto six = [&](const Vector6& v) { row.insert(row.end(), v.begin(), v.end()); };
+    six(now_.strain);
+    six(now_.rate);
+    six(stress(now_));
+    const SymTensor<double> total = Law::total_stress(now_.state);
+    row.push_back(pressure(total));
+    row.push_back(von_mises(deviator(total)));
+    for (const auto& q : Law::quantities()) {
+      double v[6];
+      q.tell(law_, now_.state, from_soil_sign(now_.rate), v);
+      if (q.components == 6)
+        six(in_soil_sign({v[0], v[1], v[2], v[3], v[4], v[5]}));
+      else
+        row.push_back(v[0]);
+    }
+    row.push_back(now_.outcome);
+    result_.rows.push_back(std::move(row));
+  }
+
+  static constexpr bool has_history = std::same_as<Law, GranularWithHistory> || std::same_as<Law, MuI>;
+
+  const ElementTest& test_;
+  const Law& law_;
+  Now now_;
+  Vector6 start_strain_, start_values_;
+  Matrix6 jacobian_;
+  bool jacobian_known_ = false;
+  double largest_stress_ = 0;
+  int worst_ = 0;
+  double missed_ = 0;
+  ElementResult result_;
+};
+
+}  // namespace
+
+int ElementResult::column(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : int(found - names.begin());
+}
+
+ElementResult run_element_test(const ElementTest& test) {
+  return std::visit([&](const auto& law) { return Driver(test, law).run(); }, test.law);
+}
+
+}  // namespace talus

@@ -1,0 +1,166 @@
+#pragma once
+/// The unified law: lasting contacts and collisions in parallel, one law for solid, flow and deposit.
+///
+///   sigma = sigma_f + sigma_col                                                                 Eqs. 1, 18
+///
+/// Deviation: grains that have separated do not collide either. A continuum point that was thrown off would otherwise push on its neighbours across the gap,
+/// and a flow with a free surface explodes.
+
+#include "talus/law/mu_i.hpp"
+#include "talus/law/simsand.hpp"
+
+namespace talus {
+
+/// SIMSAND and mu(I) in parallel. With `WithHistory` the collisional stress is integrated in time (forms `incremental` and `rate`).
+template <bool WithHistory>
+struct GranularOf {
+  Simsand frictional;
+  MuI collisional;
+
+  TALUS_HD void prepare() {
+    frictional.prepare();
+    collisional.prepare();
+  }
+
+  template <class R>
+  using CollisionalState = std::conditional_t<WithHistory, MuI::History<R>, SymTensor<R>>;
+
+  template <class R>
+  struct State {
+    Simsand::State<R> frictional;
+    CollisionalState<R> collisional;
+  };
+
+  template <Number R>
+  TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
+    Response<R> response = frictional.update(state.frictional, motion, how);
+    const R p_f = pressure(state.frictional.stress);
+    const R void_ratio = frictional.specific_volume(state.frictional) - R(1.0);
+    MuI::Collision<R> c;
+    if constexpr (WithHistory)
+      c = collisional.collide(state.collisional, motion.strain_rate, void_ratio, p_f, how.scheme == Integrator::forward_euler);
+    else
+      c = collisional.collide(motion.strain_rate, void_ratio, p_f);
+    const mask_t<R> apart = state.frictional.x < R(0.0);
+    c.stress = talus::select<R>(apart, SymTensor<R>::zero(), c.stress);
+    if constexpr (WithHistory)
+      state.collisional.stress = c.stress;
+    else
+      state.collisional = c.stress;
+    response.viscosity = select(apart, R(0.0), c.viscosity);
+    response.collisional_work = double_dot(c.stress, motion.strain);
+    return response;
+  }
+
+  template <class R>
+  TALUS_HD static SymTensor<R> collisional_stress(const State<R>& state) {
+    if constexpr (WithHistory)
+      return state.collisional.stress;
+    else
+      return state.collisional;
+  }
+  template <class R>
+  TALUS_HD static SymTensor<R> total_stress(const State<R>& state) {
+    return state.frictional.stress + collisional_stress(state);
+  }
+  template <class R>
+  TALUS_HD R specific_volume(const State<R>& state) const {
+    return frictional.specific_volume(state.frictional);
+  }
+
+  template <Number R>
+  TALUS_HD R elastic_energy(const State<R>& state) const {
+    return frictional.elastic_energy(state.frictional);
+  }
+  template <class R>
+  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+    Simsand::turn(state.frictional, Q);
+    if constexpr (WithHistory)
+      MuI::turn(state.collisional, Q);
+    else
+      state.collisional = rotate(Q, state.collisional);
+  }
+
+  template <class R>
+  TALUS_HD static R compression(const State<R>& state) {
+    return Simsand::compression(state.frictional);
+  }
+  template <Number R>
+  TALUS_HD R pressure_at(R x) const {
+    return frictional.pressure_at(x);
+  }
+  template <Number R>
+  TALUS_HD static void impose_compression(State<R>& state, R x, R p) {
+    Simsand::impose_compression(state.frictional, x, p);
+  }
+
+  double grain_density() const { return collisional.rho_s; }
+  double earth_pressure_at_rest() const { return frictional.earth_pressure_at_rest(); }
+
+  StateOrReason<State<double>> at_rest(const InitialState& initial) const {
+    auto contacts = frictional.at_rest(initial);
+    if (auto* reason = std::get_if<std::string>(&contacts)) return *reason;
+    State<double> state{std::get<Simsand::State<double>>(contacts), {}};
+    if constexpr (WithHistory) {
+      state.collisional.f = collisional.momentum_exchange(MuI::volume_fraction(initial.void_ratio));
+      state.collisional.p_f = pressure(initial.stress);
+      state.collisional.D = deviator(initial.strain_rate);
+    }
+    return state;
+  }
+
+  static constexpr std::string_view name = "granular";
+  static constexpr std::string_view meaning = "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";
+  static std::span<const ParameterOf<GranularOf>> parameters();
+  static std::span<const OptionOf<GranularOf>> options();
+  static std::span<const QuantityOf<GranularOf>> quantities();
+};
+
+using Granular = GranularOf<false>;
+using GranularWithHistory = GranularOf<true>;
+
+/// The tables of both parts, one after the other.
+template <bool WithHistory>
+std::span<const ParameterOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::parameters() {
+  static const auto table = [] {
+    auto both = lifted(Simsand::parameters(), &GranularOf::frictional);
+    for (auto& p : lifted(MuI::parameters(), &GranularOf::collisional)) both.push_back(p);
+    return both;
+  }();
+  return table;
+}
+
+template <bool WithHistory>
+std::span<const OptionOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::options() {
+  static const auto table = [] {
+    auto both = lifted(Simsand::options(), &GranularOf::frictional);
+    for (auto& o : lifted(MuI::options(), &GranularOf::collisional)) both.push_back(o);
+    return both;
+  }();
+  return table;
+}
+
+template <bool WithHistory>
+std::span<const QuantityOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::quantities() {
+  static const auto table = [] {
+    using S = State<double>;
+    using D = SymTensor<double>;
+    std::vector<QuantityOf<GranularOf>> both;
+    for (const auto& q : Simsand::quantities())
+      both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) { q.tell(l.frictional, s.frictional, d, v); }});
+    for (const auto& q : MuI::quantities()) {
+      if (q.name == "void_ratio") continue;  // told by the contacts
+      both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) {
+                        MuI::State<double> alone{};
+                        alone.history.stress = collisional_stress(s);
+                        alone.history.p_f = pressure(s.frictional.stress);
+                        alone.void_ratio = l.frictional.void_ratio(s.frictional);
+                        q.tell(l.collisional, alone, d, v);
+                      }});
+    }
+    return both;
+  }();
+  return table;
+}
+
+}  // namespace talus

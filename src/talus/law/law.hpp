@@ -1,0 +1,125 @@
+#pragma once
+/// What every law of talus offers, and what the solver and the element driver ask of it.
+///
+/// A law is a trivially copyable struct of its parameters with
+///   State<R>                  what the material remembers: numbers of type R only, total stress among them
+///   update(state, motion, how)  moves a state through one step; always in three dimensions
+///   total_stress(state)       Cauchy stress [Pa], tension-positive
+///   at_rest(initial)          the state under a given stress, or a sentence why there is none
+///   elastic_energy(state)     that unloading would give back [J per m3 of present volume]
+///   turn(state, Q)            rotates what the state remembers
+///   specific_volume(state)    volume relative to that of the grains, or of the point at the start
+///   earth_pressure_at_rest()  horizontal over vertical stress of ground that never moved sideways
+///   grain_density()           [kg/m3], where the law knows it
+///   name, meaning, parameters(), options(), quantities()   the tables everything else is made from
+/// `update` neither allocates nor throws nor calls virtual functions. What it cannot do it says in its Response.
+
+#include <array>
+#include <bit>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+#include "talus/base/parameter.hpp"
+#include "talus/mechanics/invariants.hpp"
+#include "talus/mechanics/kinematics.hpp"
+
+namespace talus {
+
+/// What became of a point in one step, the mildest first.
+enum class Outcome {
+  elastic,
+  plastic,
+  zero_pressure,  ///< the contacts carry nothing, the grains still touch
+  separated,      ///< the grains have moved apart
+  unconverged     ///< the stress is the best found, not the solution
+};
+inline constexpr const char* outcome_names[] = {"elastic", "plastic", "zero_pressure", "separated", "unconverged"};
+
+/// What the solver needs to know of an update besides the new state.
+template <class R = double>
+struct Response {
+  R outcome;             ///< an `Outcome`, as a number so that packs can hold it
+  R stiffness;           ///< K + 4/3 G [Pa], for the speed of compression waves
+  R viscosity;           ///< [Pa s], for the viscous limit of the time step
+  R plastic_work;        ///< work turned into heat by friction in this step [J/m3]
+  R collisional_work;    ///< work done against the collisional stress in this step [J/m3]
+};
+
+/// How a law integrates its stress over a step.
+enum class Integrator { modified_euler, return_mapping, forward_euler };
+inline constexpr Choice integrator_choices[] = {
+    {"modified_euler", "explicit substeps with error control, second order (Sloan, Abbo and Sheng 2001)"},
+    {"return_mapping", "implicit in one scalar unknown, first order, never fails"},
+    {"forward_euler", "one explicit step, the paper's Eq. 11; drifts off the yield surface"},
+};
+
+struct Integration {
+  Integrator scheme = Integrator::return_mapping;
+  double tolerance = 1e-6;  ///< relative error of the stress a substep may make (modified_euler)
+};
+
+/// What a point is like before anything happens to it.
+struct InitialState {
+  SymTensor<double> stress = SymTensor<double>::zero();  ///< of the lasting contacts [Pa], tension-positive
+  double void_ratio = 0;
+  std::optional<double> kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
+  double background_pressure = 0;  ///< [Pa], of a law without lasting contacts
+  SymTensor<double> strain_rate = SymTensor<double>::zero();  ///< [1/s], for laws that remember it
+};
+
+/// A state, or a sentence why there is none.
+template <class State>
+using StateOrReason = std::variant<State, std::string>;
+
+/// Something that can be read off a state: written to snapshots, element tests and tables.
+struct Quantity {
+  std::string_view name;
+  std::string_view unit;
+  int components;  ///< 1, or 6 for a symmetric tensor, tension-positive (xx, yy, zz, xy, yz, zx)
+  std::string_view meaning;
+};
+
+/// A quantity together with how a law tells it, from a state and the present strain rate [1/s].
+template <class Law>
+struct QuantityOf : Quantity {
+  using State = typename Law::template State<double>;
+  std::function<void(const Law&, const State&, const SymTensor<double>& strain_rate, double* values)> tell;
+};
+
+/// The outcome of points that carry a pressure or not, have yielded or not, are separated or not.
+template <class M>
+TALUS_HD auto outcome_of(M carries, M yielded, M separated) {
+  using R = std::conditional_t<std::same_as<M, bool>, double, Pack>;
+  const auto number = [](Outcome o) { return R(double(o)); };
+  return select(carries, select(yielded, number(Outcome::plastic), number(Outcome::elastic)),
+                select(separated, number(Outcome::separated), number(Outcome::zero_pressure)));
+}
+
+/// Lane by lane, a function of one state and one motion: for what branches too much to share an instruction stream.
+template <template <class> class State, class F>
+TALUS_HD Response<double> lane_by_lane(State<double>& state, const Motion<double>& motion, F update_one) {
+  return update_one(state, motion);
+}
+template <template <class> class State, class F>
+Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& motion, F update_one) {
+  Response<Pack> response;
+  for (int lane = 0; lane < pack_width; ++lane) {
+    State<double> one = lane_of<State<double>>(state, lane);
+    const Motion<double> m{lane_of<SymTensor<double>>(motion.strain, lane), lane_of<SymTensor<double>>(motion.strain_rate, lane), motion.dt};
+    set_lane(response, lane, update_one(one, m));
+    set_lane(state, lane, one);
+  }
+  return response;
+}
+
+/// The number of reals in a law's state.
+template <class Law>
+inline constexpr int state_size = sizeof(typename Law::template State<double>) / sizeof(double);
+
+}  // namespace talus

@@ -1,0 +1,46 @@
+#pragma once
+/// The laws there are. To add one: write its header, include it here, name it in `Laws`.
+
+#include <variant>
+
+#include "talus/law/granular.hpp"
+#include "talus/law/linear_elastic.hpp"
+#include "talus/law/mohr_coulomb.hpp"
+
+namespace talus {
+
+template <class... L>
+struct LawList {
+  using any = std::variant<L...>;
+
+  /// Calls f.template operator()<L>() for every law.
+  template <class F>
+  static void for_each(F&& f) {
+    (f.template operator()<L>(), ...);
+  }
+};
+
+using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, LinearElastic>;
+using AnyLaw = Laws::any;
+
+/// The type that a law's options ask for: `granular` with a history where its collisional form needs one.
+template <class Law>
+AnyLaw settled(const Law& law) {
+  if constexpr (std::same_as<Law, Granular>) {
+    if (law.collisional.form != CollisionalForm::total) return GranularWithHistory{law.frictional, law.collisional};
+  }
+  return law;
+}
+
+/// Laws under whose name a user asks; the others are variants that their options ask for.
+template <class Law>
+inline constexpr bool is_named = !std::same_as<Law, GranularWithHistory>;
+
+/// Whether the solver may average the elastic compression of such a law over a cell.
+template <class Law>
+concept AveragesCompression = requires(const Law& law, typename Law::template State<double>& s) {
+  { Law::compression(s) } -> std::convertible_to<double>;
+  law.impose_compression(s, 0.0, law.pressure_at(0.0));
+};
+
+}  // namespace talus

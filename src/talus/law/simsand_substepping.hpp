@@ -1,0 +1,251 @@
+#pragma once
+/// SIMSAND's explicit integration, one point at a time: substeps with error control, and the paper's single step.
+
+#include "talus/law/simsand_return_mapping.hpp"
+
+namespace talus::detail {
+
+/// Where a point stands between substeps. Volumetric quantities are compression-positive, the deviator is tension-positive.
+struct SubstepState {
+  SymTensor<double> s;
+  double x, kappa, e;
+};
+
+/// A strain increment, split.
+struct SplitStrain {
+  SymTensor<double> dev;
+  double D_v;
+
+  TALUS_HD SplitStrain part(double fraction) const { return {fraction * dev, fraction * D_v}; }
+};
+
+/// What a strain increment changes, to first order.
+struct Change {
+  SymTensor<double> s;
+  double x, dkappa;
+  double plastic_work;
+};
+
+/// The rates of elastoplasticity at one state.
+struct Tangent {
+  const Simsand& law;
+  double p, K, G, q, a, e, kappa;
+  FrictionSlope<double> peak;
+  double M_pt, h;
+  double F_p, F_e, F_S;     ///< df by dp, de, dS
+  SymTensor<double> flow;   ///< (3/2) s/q; along the strain increment where there is no shear stress yet
+  SymTensor<double> s;
+
+  TALUS_HD Tangent(const Simsand& l, const SubstepState& state, const SplitStrain& strain) : law(l), e(state.e), kappa(state.kappa), s(state.s) {
+    const double ln_P = law.exponent() * log(state.x);
+    p = atmospheric_pressure * exp(ln_P);
+    a = law.growth(e);
+    K = law.bulk_modulus(a, p, state.x);
+    G = law.shear_to_bulk() * K;
+    q = von_mises(s);
+    const bool sheared = q > 1e-12 * p;
+    const double size = deviatoric_strain(strain.dev);
+    flow = sheared ? (1.5 / q) * s : (size > 0 ? 1 / size : 0.0) * strain.dev;
+    const double S = lode_sine(flow);
+
+    const double P_xi = exp(law.xi * ln_P);
+    const double density = law.ln_e_ref - law.Lambda * P_xi - log(e);
+    const double t_p = law.peak_tangent(density);
+    peak = friction_slope_and_derivatives(law.lode, t_p, S);
+    M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
+    h = law.hardening(kappa);
+    const bool cut = t_p >= steepest_tangent;
+    const double t_by_p = cut ? 0 : -t_p * law.n_p * law.Lambda * law.xi * P_xi / p;
+    const double t_by_e = cut ? 0 : -t_p * law.n_p / e;
+    F_p = -h * peak.M - p * h * peak.by_tangent * t_by_p;
+    F_e = -p * h * peak.by_tangent * t_by_e;
+    F_S = sheared ? -p * h * peak.by_lode : 0;
+  }
+
+  TALUS_HD double yield() const { return q - p * h * peak.M; }
+  TALUS_HD double eta() const { return q / p; }
+  TALUS_HD double dilatancy() const { return law.A_d * (M_pt - eta()); }
+
+  /// How fast f grows if the increment is elastic. From full consistency: p, e and the Lode angle all move the surface.
+  TALUS_HD double loading(const SplitStrain& strain) const {
+    double by_lode = 0;
+    if (F_S != 0) {
+      const SymTensor<double> ds = (2 * G) * strain.dev;
+      const double q3 = q * q * q;
+      const SymTensor<double> minors = {s.yy * s.zz - s.yz * s.yz, s.xx * s.zz - s.zx * s.zx, s.xx * s.yy - s.xy * s.xy,
+                                        s.yz * s.zx - s.xy * s.zz, s.xy * s.zx - s.yz * s.xx, s.xy * s.yz - s.zx * s.yy};
+      const double S = 13.5 * determinant(s) / q3;
+      by_lode = F_S * (13.5 * double_dot(minors, ds) / q3 - 3 * S * double_dot(flow, ds) / q);
+    }
+    return F_p * K * strain.D_v + 2 * G * double_dot(flow, strain.dev) + by_lode - F_e * (1 + e) * strain.D_v;
+  }
+  /// How fast f falls with d kappa.
+  TALUS_HD double resistance() const {
+    const double k = law.k_p + kappa;
+    return 3 * G + F_p * K * dilatancy() + p * peak.M * law.k_p / (k * k);
+  }
+
+  TALUS_HD Change change(const SplitStrain& strain, double dkappa) const {
+    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa, (p * dilatancy() + q) * dkappa};
+  }
+  TALUS_HD Change elastic(const SplitStrain& strain) const { return change(strain, 0); }
+  TALUS_HD Change plastic(const SplitStrain& strain) const {
+    return change(strain, max(loading(strain) / resistance(), 0.0));
+  }
+};
+
+TALUS_HD inline SubstepState after(const SubstepState& state, const Change& c, double e) {
+  return {state.s + c.s, state.x + c.x, state.kappa + c.dkappa, e};
+}
+
+/// Both stages of a modified Euler substep: the improved state, and its relative error in s/p, p and h.
+struct Heun {
+  SubstepState state;
+  double error;
+  double plastic_work;
+  bool valid;
+};
+
+TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const SplitStrain& strain, double e_new, bool yielding) {
+  const Tangent start(law, from, strain);
+  const Change first = yielding ? start.plastic(strain) : start.elastic(strain);
+  const SubstepState euler = after(from, first, e_new);
+  if (!(euler.x > 0.1 * from.x)) return {from, 1, 0, false};
+  const Tangent end(law, euler, strain);
+  if (yielding && !(start.resistance() > 0 && end.resistance() > 0)) return {from, 1, 0, false};
+  const Change second = yielding ? end.plastic(strain) : end.elastic(strain);
+  const Change mean = {0.5 * (first.s + second.s), 0.5 * (first.x + second.x), 0.5 * (first.dkappa + second.dkappa),
+                       0.5 * (first.plastic_work + second.plastic_work)};
+  const SubstepState improved = after(from, mean, e_new);
+  if (!(improved.x > 0.1 * from.x)) return {from, 1, 0, false};
+  const double in_s = 0.5 * von_mises(second.s - first.s) / end.p;
+  const double in_p = 0.5 * law.exponent() * abs(second.x - first.x) / improved.x;
+  const double in_h = 0.5 * abs(second.dkappa - first.dkappa) / (law.k_p + improved.kappa);
+  return {improved, max(in_s, max(in_p, in_h)), mean.plastic_work, true};
+}
+
+/// Brings a state that drifted off the yield surface back along the plastic flow, the total strain unchanged.
+TALUS_HD inline SubstepState correct_drift(const Simsand& law, SubstepState state, const SplitStrain& strain) {
+  for (int i = 0; i < 5; ++i) {
+    const Tangent t(law, state, strain);
+    const double f = t.yield();
+    if (abs(f) <= 1e-12 * t.p || !(t.resistance() > 0)) break;
+    const Change back = t.change({SymTensor<double>::zero(), 0}, f / t.resistance());
+    const SubstepState corrected = after(state, back, state.e);
+    if (!(corrected.x > 0) || !(corrected.kappa >= 0)) break;
+    state = corrected;
+  }
+  return state;
+}
+
+/// Modified Euler with adaptive substeps, yield crossing and drift correction (Sloan, Abbo and Sheng 2001, Eng. Comput. 18:121). `tolerance` bounds
+/// the relative error of each substep. Where contacts are about to lose their pressure the implicit return takes over.
+TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state, const Motion<double>& motion, double tolerance) {
+  constexpr double on_surface = 1e-9;    // |f|/p that counts as yielding
+  constexpr double least_step = 1e-9;    // fraction of the increment below which error control gives up
+  constexpr double fading_x = 1e-4;      // x below which explicit substeps would have to follow the vanishing elastic strain
+  constexpr double implicit_strain = 1e-5;
+  const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
+  const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
+
+  Response<double> response{double(Outcome::elastic), 0, 0, 0, 0};
+  double done = 0, step = 1;
+  while (done < 1) {
+    step = min(step, 1 - done);
+    bool implicit = !(state.x > fading_x);
+    if (!implicit) {
+      const SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
+      SplitStrain strain = whole.part(step);
+      const Tangent start(law, from, strain);
+      const bool touches = start.yield() >= -on_surface * start.p;
+      const bool yielding = touches && start.loading(strain) > 0;
+      const auto e_after = [&](const SplitStrain& part) { return (1 + from.e) * exp(-part.D_v) - 1; };
+      Heun next = heun(law, from, strain, e_after(strain), yielding);
+      if (next.error > tolerance) {
+        const double shrink = next.valid ? max(0.9 * sqrt(tolerance / next.error), 0.1) : 0.25;
+        if (step * shrink > least_step) {
+          step *= shrink;
+          continue;
+        }
+        if (!next.valid) implicit = true;
+      }
+      if (!implicit && !yielding) {
+        // An elastic substep must not end outside: go to the crossing only.
+        const auto overshoot = [&](const Heun& h, const SplitStrain& part) { return Tangent(law, h.state, part).yield(); };
+        double f_high = overshoot(next, strain);
+        if (f_high > on_surface * start.p) {
+          double low = 0, high = step, f_low = start.yield();
+          if (touches) {  // leaves the surface inwards, comes back out: look for the inside first
+            for (int i = 0; i < 60 && f_high > 0; ++i) {
+              step *= 0.5;
+              strain = whole.part(step);
+              next = heun(law, from, strain, e_after(strain), false);
+              f_high = overshoot(next, strain);
+            }
+          } else {
+            for (int i = 0; i < 100; ++i) {  // regula falsi, Illinois variant
+              step = high - f_high * (high - low) / (f_high - f_low);
+              if (!(step > low && step < high)) step = 0.5 * (low + high);
+              strain = whole.part(step);
+              next = heun(law, from, strain, e_after(strain), false);
+              const double f = overshoot(next, strain);
+              if (abs(f) <= 0.1 * on_surface * start.p || high - low < 1e-15) break;
+              if (f > 0) {
+                high = step;
+                f_high = f;
+                f_low *= 0.5;
+              } else {
+                low = step;
+                f_low = f;
+                f_high *= 0.5;
+              }
+            }
+          }
+        }
+      }
+      if (!implicit) {
+        const SubstepState to = yielding ? correct_drift(law, next.state, strain) : next.state;
+        state = {stress_from(to.s, law.pressure_at(to.x)), to.x, to.kappa, to.e};
+        response.outcome = double(yielding ? Outcome::plastic : Outcome::elastic);
+        response.plastic_work += next.plastic_work;
+        done = done + step >= 1 - 1e-14 ? 1 : done + step;
+        step *= next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0;
+      }
+    }
+    if (implicit) {
+      step = min(1 - done, max(least_step, size > 0 ? implicit_strain / size : 1.0));
+      const Motion<double> part{step * motion.strain, motion.strain_rate, step * motion.dt};
+      const Response<double> r = return_mapping(law, state, part);
+      response.outcome = r.outcome;
+      response.plastic_work += r.plastic_work;
+      done = done + step >= 1 - 1e-14 ? 1 : done + step;
+    }
+  }
+  const double p = pressure(state.stress);
+  response.stiffness = p > 0 ? law.wave_modulus(law.bulk_modulus(law.growth(state.skeleton_void_ratio), p, state.x)) : 0;
+  return response;
+}
+
+/// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls to zero leaves the point without stress.
+TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state, const Motion<double>& motion) {
+  const SplitStrain strain{deviator(motion.strain), volumetric_compression(motion.strain)};
+  const Trial<double> trial = try_elastic(law, state, strain.D_v);
+  const double p = pressure(state.stress);
+  if (!(p > 0)) return return_mapping(law, state, motion);  // Eq. 11 has no stiffness to start from
+  const SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
+  const Tangent t(law, from, strain);
+  const bool yielding = t.yield() >= 0 && t.loading(strain) > 0;
+  const Change c = yielding ? t.plastic(strain) : t.elastic(strain);
+  const double p_new = p + t.K / t.a * c.x;
+  Response<double> response{double(yielding ? Outcome::plastic : Outcome::elastic), 0, 0, c.plastic_work, 0};
+  if (p_new > 0) {
+    state = {stress_from(from.s + c.s, p_new), law.x_at(p_new), from.kappa + c.dkappa, trial.e};
+    response.stiffness = law.wave_modulus(law.bulk_modulus(trial.a, p_new, state.x));
+  } else {
+    state = let_go(law, state, strain.D_v, trial, from.kappa + deviatoric_strain(strain.dev));
+    response.outcome = double(state.x < 0 ? Outcome::separated : Outcome::zero_pressure);
+  }
+  return response;
+}
+
+}  // namespace talus::detail

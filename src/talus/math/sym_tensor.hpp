@@ -1,0 +1,75 @@
+#pragma once
+/// Symmetric second-order tensors in three dimensions.
+
+#include "talus/math/pack.hpp"
+
+namespace talus {
+
+/// A symmetric tensor; shear entries are tensor components (half the engineering shear strain).
+template <class R = double>
+struct SymTensor {
+  R xx, yy, zz, xy, yz, zx;
+
+  static constexpr int n_components = 6;
+  static constexpr const char* component_names[n_components] = {"xx", "yy", "zz", "xy", "yz", "zx"};
+
+  TALUS_HD static SymTensor zero() { return {R(0.0), R(0.0), R(0.0), R(0.0), R(0.0), R(0.0)}; }
+  /// a I
+  TALUS_HD static SymTensor isotropic(R a) { return {a, a, a, R(0.0), R(0.0), R(0.0)}; }
+
+  /// Components in the order xx, yy, zz, xy, yz, zx.
+  TALUS_HD R& operator[](int i) {
+    switch (i) {
+      case 0: return xx;
+      case 1: return yy;
+      case 2: return zz;
+      case 3: return xy;
+      case 4: return yz;
+      default: return zx;
+    }
+  }
+  TALUS_HD const R& operator[](int i) const { return const_cast<SymTensor&>(*this)[i]; }
+
+  TALUS_HD friend SymTensor operator+(const SymTensor& a, const SymTensor& b) {
+    return {a.xx + b.xx, a.yy + b.yy, a.zz + b.zz, a.xy + b.xy, a.yz + b.yz, a.zx + b.zx};
+  }
+  TALUS_HD friend SymTensor operator-(const SymTensor& a, const SymTensor& b) {
+    return {a.xx - b.xx, a.yy - b.yy, a.zz - b.zz, a.xy - b.xy, a.yz - b.yz, a.zx - b.zx};
+  }
+  TALUS_HD friend SymTensor operator*(R s, const SymTensor& a) {
+    return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.yz, s * a.zx};
+  }
+  TALUS_HD friend SymTensor operator-(const SymTensor& a) { return {-a.xx, -a.yy, -a.zz, -a.xy, -a.yz, -a.zx}; }
+};
+
+template <class R>
+TALUS_HD R trace(const SymTensor<R>& a) {
+  return a.xx + a.yy + a.zz;
+}
+
+/// a : b
+template <class R>
+TALUS_HD R double_dot(const SymTensor<R>& a, const SymTensor<R>& b) {
+  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + R(2.0) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
+}
+
+/// a . a, which is symmetric when a is.
+template <class R>
+TALUS_HD SymTensor<R> square(const SymTensor<R>& a) {
+  return {a.xx * a.xx + a.xy * a.xy + a.zx * a.zx, a.xy * a.xy + a.yy * a.yy + a.yz * a.yz,
+          a.zx * a.zx + a.yz * a.yz + a.zz * a.zz, a.xx * a.xy + a.xy * a.yy + a.zx * a.yz,
+          a.xy * a.zx + a.yy * a.yz + a.yz * a.zz, a.xx * a.zx + a.xy * a.yz + a.zx * a.zz};
+}
+
+template <class R>
+TALUS_HD R determinant(const SymTensor<R>& a) {
+  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.zx) + a.zx * (a.xy * a.yz - a.yy * a.zx);
+}
+
+template <class R>
+TALUS_HD SymTensor<R> select(mask_t<R> m, const SymTensor<R>& a, const SymTensor<R>& b) {
+  return {select(m, a.xx, b.xx), select(m, a.yy, b.yy), select(m, a.zz, b.zz),
+          select(m, a.xy, b.xy), select(m, a.yz, b.yz), select(m, a.zx, b.zx)};
+}
+
+}  // namespace talus

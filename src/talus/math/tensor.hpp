@@ -1,0 +1,35 @@
+#pragma once
+/// General second-order tensors in three dimensions.
+
+#include "talus/math/sym_tensor.hpp"
+
+namespace talus {
+
+/// A tensor; `c[i][j]` is row i, column j.
+template <class R = double>
+struct Tensor {
+  R c[3][3];
+
+  TALUS_HD R* operator[](int i) { return c[i]; }
+  TALUS_HD const R* operator[](int i) const { return c[i]; }
+};
+
+/// (A + A^T) / 2
+template <class R>
+TALUS_HD SymTensor<R> symmetric_part(const Tensor<R>& a) {
+  const R half = R(0.5);
+  return {a[0][0], a[1][1], a[2][2], half * (a[0][1] + a[1][0]), half * (a[1][2] + a[2][1]), half * (a[2][0] + a[0][2])};
+}
+
+/// Q a Q^T
+template <class R>
+TALUS_HD SymTensor<R> rotate(const Tensor<R>& Q, const SymTensor<R>& a) {
+  const R A[3][3] = {{a.xx, a.xy, a.zx}, {a.xy, a.yy, a.yz}, {a.zx, a.yz, a.zz}};
+  R QA[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) QA[i][j] = Q[i][0] * A[0][j] + Q[i][1] * A[1][j] + Q[i][2] * A[2][j];
+  const auto entry = [&](int i, int j) { return QA[i][0] * Q[j][0] + QA[i][1] * Q[j][1] + QA[i][2] * Q[j][2]; };
+  return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
+}
+
+}  // namespace talus

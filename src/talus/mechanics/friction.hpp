@@ -1,0 +1,100 @@
+#pragma once
+/// How strong friction is away from triaxial compression.
+
+#include <cmath>
+#include <numbers>
+
+#include "talus/base/parameter.hpp"
+#include "talus/math/pack.hpp"
+
+namespace talus {
+
+/// How the slope M = q/p at failure depends on the Lode angle.
+enum class LodeRule {
+  sheng,         ///< Sheng, Sloan and Yu 2000, Comput. Mech. 26:185: smooth, close to Mohr-Coulomb
+  mohr_coulomb,  ///< Mohr-Coulomb's hexagon itself
+  none           ///< the slope of triaxial compression everywhere
+};
+
+inline constexpr Choice lode_choices[] = {
+    {"sheng", "smooth, meets Mohr-Coulomb in triaxial compression and extension (Sheng et al. 2000)"},
+    {"mohr_coulomb", "Mohr-Coulomb's hexagon itself"},
+    {"none", "as strong in every direction as in triaxial compression"},
+};
+
+/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.6 on it is dented in simple shear too.
+inline constexpr double steepest_tangent = 1.1106125148291928;  // tan 48 deg
+
+/// M and its derivatives by the tangent of the friction angle and by S = sin 3theta.
+template <class R>
+struct FrictionSlope {
+  R M, by_tangent, by_lode;
+};
+
+/// sin(atan t), without trigonometry.
+template <class R>
+TALUS_HD R sine_of_tangent(R t) {
+  return t / sqrt(R(1.0) + t * t);
+}
+
+namespace detail {
+
+/// theta in [-pi/6, pi/6] from S = sin 3theta.
+template <class R>
+TALUS_HD R lode_angle(R S) {
+  return lanewise([](double s) { return std::asin(s) / 3; }, S);
+}
+
+}  // namespace detail
+
+/// Slope M of the failure line in the p-q plane for the friction angle with tangent `t` (0 <= t <= `steepest_tangent`) at S = sin 3theta.
+///   sheng:         M = M_c (2 c^4 / (1 + c^4 + (1 - c^4) S))^(1/4),  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi)
+///   mohr_coulomb:  M = 3 sin phi / (sqrt 3 cos theta + sin phi sin theta)
+template <class R>
+TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
+  const R sine = sine_of_tangent(t);
+  const R minus = R(3.0) - sine;
+  switch (rule) {
+    case LodeRule::none: return R(6.0) * sine / minus;
+    case LodeRule::mohr_coulomb: {
+      const R theta = detail::lode_angle(S);
+      const R cosine = lanewise([](double a) { return std::cos(a); }, theta);
+      const R sine_theta = lanewise([](double a) { return std::sin(a); }, theta);
+      return R(3.0) * sine / (R(std::numbers::sqrt3) * cosine + sine * sine_theta);
+    }
+    case LodeRule::sheng: break;
+  }
+  // With a = (3 - sin phi)^4 and b = (3 + sin phi)^4, the paper's c^4 is a/b.
+  const R plus = R(3.0) + sine;
+  const R minus2 = minus * minus, plus2 = plus * plus;
+  const R a = minus2 * minus2, b = plus2 * plus2;
+  return R(6.0) * sine / minus * sqrt(sqrt(R(2.0) * a / (b + a + (b - a) * S)));
+}
+
+/// The slope as in `friction_slope`, with its derivatives.
+TALUS_HD inline FrictionSlope<double> friction_slope_and_derivatives(LodeRule rule, double t, double S) {
+  const double secant2 = 1 + t * t;
+  const double sine = t / std::sqrt(secant2);
+  const double dsine = 1 / (secant2 * std::sqrt(secant2));
+  const double M = friction_slope(rule, t, S);
+  switch (rule) {
+    case LodeRule::none: return {M, 18 / ((3 - sine) * (3 - sine)) * dsine, 0};
+    case LodeRule::mohr_coulomb: {
+      const double theta = detail::lode_angle(S);
+      const double width = std::numbers::sqrt3 * std::cos(theta) + sine * std::sin(theta);
+      const double by_sine = 3 * std::numbers::sqrt3 * std::cos(theta) / (width * width);
+      const double by_theta = -3 * sine * (sine * std::cos(theta) - std::numbers::sqrt3 * std::sin(theta)) / (width * width);
+      // At the hexagon's corners S does not change to first order, so the derivative is never used there.
+      const double cos3 = std::sqrt(std::fmax(1 - S * S, 1e-12));
+      return {M, by_sine * dsine, by_theta / (3 * cos3)};
+    }
+    case LodeRule::sheng: break;
+  }
+  const double c = (3 - sine) / (3 + sine), c4 = c * c * c * c;
+  const double width = 1 + c4 + (1 - c4) * S;
+  const double by_sine = M * (18 / ((3 - sine) * (3 - sine)) / (6 * sine / (3 - sine)) +
+                              (1 / c - c * c * c * (1 - S) / width) * (-6 / ((3 + sine) * (3 + sine))));
+  return {M, by_sine * dsine, -0.25 * M * (1 - c4) / width};
+}
+
+}  // namespace talus

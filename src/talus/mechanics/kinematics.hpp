@@ -1,0 +1,32 @@
+#pragma once
+/// How a material point moves in one step: strain and rotation.
+
+#include "talus/math/tensor.hpp"
+
+namespace talus {
+
+/// What happens to the material at one point during one step, seen in the frame that turns with it.
+template <class R = double>
+struct Motion {
+  SymTensor<R> strain;       ///< increment of strain [-], tension-positive
+  SymTensor<R> strain_rate;  ///< strain rate at the end of the step [1/s], tension-positive
+  double dt;                 ///< length of the step [s]
+};
+
+/// Rotation of the material during dt under the velocity gradient L: (I - W dt/2)^-1 (I + W dt/2), with the spin W.
+/// Orthogonal to rounding. (Hughes and Winget 1980, Int. J. Numer. Meth. Eng. 15:1862, written out for three dimensions.)
+template <class R>
+TALUS_HD Tensor<R> incremental_rotation(const Tensor<R>& L, double dt) {
+  const R quarter = R(0.25 * dt);
+  const R a = quarter * (L[2][1] - L[1][2]);
+  const R b = quarter * (L[0][2] - L[2][0]);
+  const R c = quarter * (L[1][0] - L[0][1]);
+  const R aa = a * a, bb = b * b, cc = c * c;
+  const R f = R(2.0) / (R(1.0) + aa + bb + cc);
+  const R one = R(1.0);
+  return {{{one - f * (bb + cc), f * (a * b - c), f * (a * c + b)},
+           {f * (a * b + c), one - f * (aa + cc), f * (b * c - a)},
+           {f * (a * c - b), f * (b * c + a), one - f * (aa + bb)}}};
+}
+
+}  // namespace talus

@@ -1,0 +1,151 @@
+#pragma once
+/// Walls on the sides of the domain.
+///
+/// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall is the image of the one in front of it, and has its velocity turned
+/// round (slip: the normal component; no slip: all components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So at the
+/// wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through.
+
+#include <array>
+
+#include "talus/case/case.hpp"
+#include "talus/mpm/grid.hpp"
+#include "talus/mpm/loop.hpp"
+
+namespace talus {
+
+/// The box the grid fills: node i of axis a stands at origin[a] + i h, 0 <= i <= n_cells[a].
+template <int Dim>
+struct Domain {
+  Vec<Dim> origin;
+  double h;  ///< cell size [m]
+  Index<Dim> n_cells;
+  std::array<WallKind, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
+
+  Vec<Dim> in_cells(const Vec<Dim>& x) const { return (1 / h) * (x - origin); }
+};
+
+namespace detail {
+
+/// Factors for the lanes of a node value: `vector` for those components that the wall acts on, 1 for the others and the mass.
+inline NodeValue wall_factors(WallKind wall, int axis, double vector) {
+  NodeValue factors(1.0);
+  for (int a = 0; a < 3; ++a)
+    if (wall == WallKind::no_slip || (wall == WallKind::slip && a == axis)) factors.set(a, vector);
+  return factors;
+}
+
+}  // namespace detail
+
+/// Applies the walls of a domain to the nodes of a grid.
+template <int Dim, class Shape>
+class Boundary {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+  using GridType = Grid<Dim, Shape>;
+
+  Boundary(const Domain<Dim>& domain, const GridType& grid) : domain_(domain) {
+    for (int side = 0; side < 2 * Dim; ++side) {
+      const WallKind wall = domain.walls[side];
+      if (wall == WallKind::open) continue;
+      const int axis = side / 2, n = domain.n_cells[axis];
+      const bool low = side % 2 == 0;
+      Mirror m{axis, low ? 1 : n - 1, low ? -1 : n + 1, detail::wall_factors(wall, axis, -1), {}, {}};
+      for (int t = 0; t < grid.n_tiles(); ++t) {
+        if (holds(grid.tile(t), axis, m.original)) m.originals.push_back(t);
+        if (holds(grid.tile(t), axis, m.image)) m.images.push_back(t);
+      }
+      mirrors_.push_back(std::move(m));
+    }
+    for (int t = 0; t < grid.n_tiles(); ++t) {
+      bool near = false;
+      for (const Mirror& m : mirrors_)
+        for (int node : {m.original, m.image, (m.original + m.image) / 2}) near |= holds(grid.tile(t), m.axis, node);
+      near_wall_.push_back(near);
+    }
+  }
+
+  /// Gives the sums at images to their originals.
+  void fold_images(GridType& grid, Loop& loop) const {
+    for (const Mirror& m : mirrors_)
+      loop.for_each(int(m.originals.size()), [&](int i, int) {
+        const int t = m.originals[i];
+        visit(grid, t, m, m.original, m.image, [&](int own, int other, int theirs) {
+          grid.sums(t)[own] += m.factors * grid.sums(other)[theirs];
+        });
+      });
+  }
+
+  /// Gives images the velocities of their originals, turned round; `nodal` is one of the grid's velocities or its acceleration.
+  template <class Nodal>
+  void extend_to_images(GridType& grid, Loop& loop, Nodal nodal) const {
+    for (const Mirror& m : mirrors_)
+      loop.for_each(int(m.images.size()), [&](int i, int) {
+        const int t = m.images[i];
+        visit(grid, t, m, m.image, m.original, [&](int own, int other, int theirs) {
+          nodal(t)[own] = m.factors * nodal(other)[theirs];
+        });
+      });
+  }
+
+  /// Whether a tile has nodes on walls or behind them.
+  bool near_wall(int t) const { return near_wall_[t]; }
+
+  /// 0 for the components of velocity that walls forbid at a node, 1 for the others.
+  NodeValue allowed(const Index<Dim>& place, int node) const {
+    NodeValue factors(1.0);
+    for (int side = 0; side < 2 * Dim; ++side) {
+      const int axis = side / 2, on = side % 2 == 0 ? 0 : domain_.n_cells[axis];
+      if (global(place, node)[axis] == on) factors *= detail::wall_factors(domain_.walls[side], axis, 0);
+    }
+    return factors;
+  }
+  /// Whether a node lies behind a wall.
+  bool is_image(const Index<Dim>& place, int node) const {
+    const Index<Dim> i = global(place, node);
+    for (const Mirror& m : mirrors_)
+      if (i[m.axis] == m.image) return true;
+    return false;
+  }
+
+ private:
+  /// One wall: the plane of nodes in front of it and that of their images.
+  struct Mirror {
+    int axis, original, image;
+    NodeValue factors;
+    std::vector<int> originals, images;  ///< tiles that hold such nodes
+  };
+
+  static Index<Dim> global(const Index<Dim>& place, int node) {
+    Index<Dim> i = Layout::unflatten(node, tile_edge);
+    for (int a = 0; a < Dim; ++a) i[a] += tile_edge * place[a];
+    return i;
+  }
+  static bool holds(const Tile<Dim, Shape>& tile, int axis, int node) {
+    const int i = node - tile_edge * tile.place[axis];
+    return i >= 0 && i < tile_edge;
+  }
+
+  /// Calls f(node, tile of its partner, node of its partner) for the nodes of tile t at index `here` along the mirror's axis, whose partners are at `there`.
+  template <class F>
+  void visit(const GridType& grid, int t, const Mirror& m, int here, int there, F f) const {
+    const auto& tile = grid.tile(t);
+    const int first = tile_edge * tile.place[m.axis];
+    const int shift = there < first ? -1 : there >= first + tile_edge ? 1 : 0;
+    Index<Dim> offset{};
+    offset[m.axis] = shift;
+    const int other = tile.neighbours[Layout::neighbour(offset)];
+    if (other < 0) return;  // no points reach there
+    for (int node = 0; node < Layout::n_nodes; ++node) {
+      Index<Dim> i = Layout::unflatten(node, tile_edge);
+      if (i[m.axis] != here - first) continue;
+      i[m.axis] = there - first - shift * tile_edge;
+      f(node, other, Layout::node(i));
+    }
+  }
+
+  Domain<Dim> domain_;
+  std::vector<Mirror> mirrors_;
+  std::vector<char> near_wall_;
+};
+
+}  // namespace talus

@@ -1,0 +1,32 @@
+#pragma once
+/// What can be read off the particles of a body.
+
+#include <string>
+#include <vector>
+
+#include "talus/mpm/cell_order.hpp"
+#include "talus/mpm/simulation.hpp"
+
+namespace talus {
+
+/// Adds a body's particles to an observation of `n` particles in all. `rates` holds their strain rates, in the order of the particles.
+template <int Dim>
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n, Observation& seen);
+
+/// Fills in the places and sizes of a body's particles.
+template <int Dim>
+void place_body(const Body<Dim>& body, ParticlePlaces& all);
+
+/// Everything about one particle, a line a quantity.
+template <int Dim>
+std::string describe(const Body<Dim>& body, int particle);
+
+/// Elastic energy stored in a body [J].
+template <int Dim>
+double elastic_energy(const Body<Dim>& body);
+
+/// Speed of the fastest compression wave in a body [m/s].
+template <int Dim>
+double fastest_wave(const Body<Dim>& body, const Integration& how);
+
+}  // namespace talus

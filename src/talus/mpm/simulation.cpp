@@ -1,0 +1,109 @@
+#include "talus/mpm/simulation.hpp"
+
+#include "talus/mpm/step.hpp"
+
+namespace talus {
+
+namespace {
+
+/// The points of a body: every place of the lattice that lies in the region.
+std::vector<Vec<3>> lattice_points(const BodySpec& spec, int dim) {
+  const Box box = bounding_box(spec.region, dim);
+  const double offset = spec.lattice == Lattice::cells ? 0.5 : 0;
+  Index<3> n{1, 1, 1};
+  for (int a = 0; a < dim; ++a) n[a] = int(std::floor((box.max[a] - box.min[a]) / spec.spacing - offset + 1e-9)) + 1;
+  std::vector<Vec<3>> points;
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        Vec<3> x{};
+        const Index<3> at{i, j, k};
+        for (int a = 0; a < dim; ++a) x[a] = box.min[a] + (at[a] + offset) * spec.spacing;
+        if (contains(spec.region, x, dim)) points.push_back(x);
+      }
+  return points;
+}
+
+template <class Law>
+double bulk_density(const Law& law, const Material& material, const BodySpec& spec) {
+  if constexpr (requires { law.grain_density(); })
+    return law.grain_density() / (1 + *spec.void_ratio);
+  else
+    return material.density;
+}
+
+template <int Dim>
+Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
+  const Material& material = what.materials[spec.material];
+  const std::vector<Vec<3>> points = lattice_points(spec, Dim);
+  if (points.empty()) throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
+  return std::visit([&]<class Law>(const Law& law) {
+    const int n = int(points.size());
+    Body<Dim> body{spec.name, material.law, Particles<Dim>(state_size<Law>), {}};
+    Particles<Dim>& p = body.particles;
+    p.resize(n);
+    // The points share the exact volume of the region, so its mass is exact whatever the lattice.
+    const double each = volume(spec.region, Dim) / n;
+    const double density = bulk_density(law, material, spec);
+    double weight = 0;  // gravity along the vertical axis, downwards
+    if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
+    for (int i = 0; i < n; ++i) {
+      InitialState initial;
+      if (weight > 0) {
+        const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
+        const double horizontal = law.earth_pressure_at_rest() * vertical;
+        initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
+        initial.stress[Dim - 1] = -vertical;
+      }
+      initial.void_ratio = spec.void_ratio.value_or(0);
+      const auto state = law.at_rest(initial);
+      if (const auto* reason = std::get_if<std::string>(&state))
+        throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
+      const auto& at_rest = std::get<typename Law::template State<double>>(state);
+      for (int a = 0; a < Dim; ++a) {
+        p.position(a)[i] = points[i][a];
+        p.velocity(a)[i] = spec.velocity[a];
+      }
+      p.mass()[i] = density * each;
+      p.reference_volume()[i] = each / law.specific_volume(at_rest);
+      p.id()[i] = double(first_id + i);
+      set_state<Law>(p, i, at_rest);
+    }
+    return body;
+  }, material.law);
+}
+
+template <int Dim>
+std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
+  Domain<Dim> domain;
+  Vec<Dim> gravity;
+  domain.h = what.cell;
+  for (int a = 0; a < Dim; ++a) {
+    domain.origin[a] = what.domain.min[a];
+    domain.n_cells[a] = what.n_cells[a];
+    domain.walls[2 * a] = what.walls[2 * a];
+    domain.walls[2 * a + 1] = what.walls[2 * a + 1];
+    gravity[a] = what.gravity[a];
+  }
+  std::vector<Body<Dim>> bodies;
+  long n = 0;
+  for (const BodySpec& spec : what.bodies) {
+    bodies.push_back(make_body<Dim>(what, spec, n));
+    n += bodies.back().particles.size();
+  }
+  switch (what.numerics.shape_function) {
+    case ShapeFunction::quadratic:
+      return std::make_unique<Stepper<Dim, Quadratic>>(domain, std::move(bodies), gravity, what.numerics, loop);
+    case ShapeFunction::linear:
+      return std::make_unique<Stepper<Dim, Linear>>(domain, std::move(bodies), gravity, what.numerics, loop);
+  }
+  throw std::logic_error("unknown shape function");
+}
+
+}  // namespace
+
+std::unique_ptr<Simulation> make_simulation(const Case& what, Loop& loop) {
+  return what.dim == 3 ? make<3>(what, loop) : make<2>(what, loop);
+}
+
+}  // namespace talus

@@ -1,0 +1,84 @@
+#pragma once
+/// A run of the material point method, as the rest of talus sees it: no dimension, shape function or law in its type.
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "talus/case/case.hpp"
+#include "talus/mpm/loop.hpp"
+
+namespace talus {
+
+/// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness.
+struct Ledger {
+  double time = 0;  ///< [s]
+  long step = 0;
+  double dt = 0;  ///< of the last step [s]
+  double mass = 0;  ///< [kg]
+  Vec<3> momentum{};  ///< [kg m/s]
+  double kinetic = 0;
+  double potential = 0;
+  double elastic = 0;      ///< stored in the material, as its state says
+  double plastic = 0;      ///< heat of friction since the start
+  double collisional = 0;  ///< work done against collisional stress since the start
+  double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
+  double numerical = 0;    ///< lost since the start between particles and grid: kinetic energy that one does not see of the other, and the work of the stress on motion that
+                           ///< the nodes make and the particles do not. Walls at rest do no work.
+  double initial = 0;      ///< kinetic, potential and elastic energy at the start
+  double turnover = 0;     ///< the most that kinetic and potential energy together have ever changed, and kinetic energy ever been: what errors are measured by
+  double max_speed = 0;    ///< [m/s]
+  int n_separated = 0;     ///< particles whose grains have moved apart
+  long n_unconverged = 0;  ///< stress updates that did not converge, since the start
+
+  /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every joule.
+  double error() const { return kinetic + potential + elastic + plastic + collisional + averaging + numerical - initial; }
+};
+
+/// A quantity at every particle.
+struct Field {
+  std::string name, unit, meaning;
+  int components;              ///< 1 scalar, 3 vector, 6 symmetric tensor (xx, yy, zz, xy, yz, zx)
+  std::vector<double> values;  ///< component by component for particle 0, then for particle 1, ...
+};
+
+/// Everything that can be seen of the particles at an instant, in the order of their ids.
+struct Observation {
+  double time = 0;
+  long step = 0;
+  std::vector<Field> fields;  ///< `position` [m] first, then velocity, then what the laws tell
+
+  int n_particles() const { return int(fields.at(0).values.size()) / 3; }
+  const Field* find(std::string_view name) const {
+    for (const Field& f : fields)
+      if (f.name == name) return &f;
+    return nullptr;
+  }
+};
+
+/// Where the particles stand and how large they are, in the order of their ids: all that an outline needs.
+struct ParticlePlaces {
+  std::vector<Vec<3>> places;  ///< [m]
+  std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
+};
+
+class Simulation {
+ public:
+  virtual ~Simulation() = default;
+  /// Advances by one stable step. Throws RunError when the run breaks; the state is then that at the break.
+  virtual void step() = 0;
+  virtual const Ledger& ledger() const = 0;
+  /// After a RunError strain rates, and what follows from them, are zero.
+  virtual Observation observe() = 0;
+  virtual ParticlePlaces places() const = 0;
+  virtual long n_particles() const = 0;
+  virtual long n_tiles() const = 0;
+  virtual std::size_t bytes() const = 0;
+  /// The step that step() would take now [s].
+  virtual double next_dt() const = 0;
+};
+
+/// Fills the bodies of a case with particles and lets them rest on a grid.
+std::unique_ptr<Simulation> make_simulation(const Case& what, Loop& loop);
+
+}  // namespace talus

@@ -1,0 +1,391 @@
+#pragma once
+/// One time step: explicit MPM, stress after the new positions (MUSL), FLIP with a damping time.
+///
+/// Sulsky, Chen and Schreyer 1994 (Comput. Methods Appl. Mech. Eng. 118:179), with the operations of Sec. 4.1 of the paper turned so that every particle is visited
+/// twice a step. What a particle's velocity holds beyond the grid's decays with the time tau: v_p = alpha (v_p + dt a) + (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed
+/// share taken a step would make the result depend on the step.
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "talus/base/error.hpp"
+#include "talus/mpm/inspect.hpp"
+#include "talus/mpm/time_step.hpp"
+#include "talus/mpm/transfer.hpp"
+#include "talus/mpm/update_stress.hpp"
+
+namespace talus {
+
+template <int Dim, class Shape>
+class Stepper final : public Simulation {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+
+  Stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies, const Vec<Dim>& gravity, const Numerics& numerics, Loop& loop)
+      : domain_(domain), bodies_(std::move(bodies)), gravity_(gravity), numerics_(numerics), loop_(loop), scratch_(loop.n_workers()) {
+    arrange();
+    take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
+    for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
+    ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
+    for (const auto& body : bodies_) wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration));
+    over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
+  }
+
+  void step() override {
+    const double dt = next_dt();
+    const TileSums nodes = find_node_velocities();
+    ledger_.numerical += ledger_.kinetic - nodes.held_kinetic;
+    update_stresses(dt);
+    accelerate_nodes(dt);
+    move_particles(dt);
+    ledger_.turnover = std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
+    ledger_.dt = last_dt_ = dt;
+    ledger_.time += dt;
+    ++ledger_.step;
+  }
+
+  double next_dt() const override {
+    if (numerics_.dt) return *numerics_.dt;
+    const double speed_of_gravity = std::sqrt(dot(gravity_, gravity_));
+    const double stable = stable_step({domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, speed_of_gravity});
+    const double dt = std::min(stable, 1.2 * last_dt_);  // lets what stiffens be seen before the step has grown past it
+    if (!(dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed)))
+      throw RunError(fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, fastest particle {:.4g} m/s, "
+                                 "viscosity {:.4g} m2/s", dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
+    return dt;
+  }
+
+  const Ledger& ledger() const override { return ledger_; }
+  Observation observe() override;
+  ParticlePlaces places() const override;
+  long n_particles() const override {
+    long n = 0;
+    for (const auto& body : bodies_) n += body.particles.size();
+    return n;
+  }
+  long n_tiles() const override { return grid_.n_tiles(); }
+  std::size_t bytes() const override {
+    std::size_t b = grid_.bytes();
+    for (const auto& body : bodies_) b += std::size_t(body.particles.size()) * body.particles.columns().n_columns() * sizeof(double);
+    return b;
+  }
+
+ private:
+  // ---- the step, a verb a function ---------------------------------------------------------------------------
+
+  /// v_I = sum N m v / sum N m, and what walls allow of it.
+  TileSums find_node_velocities() {
+    add_windows();
+    const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      const NodeValue* momentum = grid_.sums(t);
+      NodeValue* v = grid_.velocity(t);
+      for_each_node(t, [&](int i, NodeValue allowed, bool counts) {
+        const double mass = momentum[i][3];
+        v[i] = mass > least_mass_ ? allowed * (NodeValue(1 / mass) * momentum[i]) : zero_node();
+        v[i].set(3, mass);
+        if (counts) sums.held_kinetic += 0.5 * mass * norm2(v[i]);
+      });
+    });
+    boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.velocity(t); });
+    return total;
+  }
+
+  /// L = sum v_I grad N, the law, f_I = -sum V sigma grad N.
+  void update_stresses(double dt) {
+    const StressUpdate how{dt, numerics_.integration, numerics_.average_pressure};
+    const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
+      if (!grid_.tile(t).occupied) return;
+      Scratch& s = scratch_[worker];
+      NodeValue velocity[Layout::n_window];
+      grid_.fill_window(t, grid_.velocity(), velocity);
+      grid_.clear_window(t);
+      for (auto& body : bodies_) {
+        const TileParticles& tile = body.tiles[t];
+        if (tile.size() == 0) continue;
+        s.resize(tile.size());
+        take_gradients(body, t, velocity, s);
+        update_stress(body.law, body.particles, tile, cells_of(t), how, s, sums);
+        give_forces(body, t, s);
+      }
+    });
+    ledger_.elastic = total.elastic;
+    ledger_.plastic += total.plastic_work;
+    ledger_.averaging += total.averaging;
+    ledger_.numerical -= total.internal_work;
+    ledger_.collisional += total.collisional_work;
+    ledger_.n_separated = total.n_separated;
+    ledger_.n_unconverged += total.n_unconverged;
+    wave_speed_ = std::sqrt(total.wave_speed2);
+    viscosity_ = total.viscosity;
+    if (total.bad) stop("the stress is not finite", [](const Body<Dim>& body, int i) {
+      for (int k = 0; k < body.particles.n_state(); ++k)
+        if (!std::isfinite(body.particles.state(k)[i])) return true;
+      return false;
+    });
+  }
+
+  /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls allow of it.
+  void accelerate_nodes(double dt) {
+    add_windows();
+    NodeValue gravity = zero_node();
+    for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
+    const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      const NodeValue *force = grid_.sums(t), *v = grid_.velocity(t);
+      NodeValue *v_new = grid_.new_velocity(t), *a = grid_.acceleration(t);
+      for_each_node(t, [&](int i, NodeValue allowed, bool counts) {
+        const double mass = v[i][3];
+        if (!(mass > least_mass_)) {
+          v_new[i] = a[i] = zero_node();
+          return;
+        }
+        a[i] = allowed * (NodeValue(1 / mass) * force[i] + gravity);
+        v_new[i] = v[i] + NodeValue(dt) * a[i];
+        if (!counts) return;
+        sums.grid_work -= 0.5 * dt * dot3(force[i], v[i] + v_new[i]);
+        const double speed2 = norm2(v_new[i]);
+        sums.new_kinetic += 0.5 * mass * speed2;
+        sums.node_speed2 = std::max(sums.node_speed2, speed2);
+      });
+    });
+    boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
+    boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.acceleration(t); });
+    ledger_.numerical += total.new_kinetic + total.grid_work;
+    node_speed_ = std::sqrt(total.node_speed2);
+  }
+
+  /// v_p and x_p from the nodes; then the particles give mass and momentum to the nodes where they are now.
+  void move_particles(double dt) {
+    const double alpha = numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+    drift_ += node_speed_ * dt / domain_.h;
+    const bool reorder = drift_ > largest_drift;
+    const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      if (!grid_.tile(t).occupied) return;
+      advance(t, dt, alpha, sums);
+      if (!reorder && !sums.bad) give_momentum(t);
+    });
+    take(total);
+    ledger_.numerical -= ledger_.kinetic;
+    if (total.bad) stop("a particle has left the domain", [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.position_of(i))); });
+    if (reorder) {
+      arrange();
+      over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
+    }
+  }
+
+  // ---- one tile ------------------------------------------------------------------------------------------------
+
+  CellFinder<Dim> cells_of(int t) const { return {domain_.origin, 1 / domain_.h, grid_.tile(t).place}; }
+
+  ParticleWeights<Dim, Shape> weights(const Particles<Dim>& particles, int i, int t) const {
+    return {domain_.in_cells(particles.position_of(i)), grid_.tile(t).place};
+  }
+
+  void take_gradients(const Body<Dim>& body, int t, const NodeValue* velocity, Scratch& s) const {
+    const TileParticles& tile = body.tiles[t];
+    const double per_length = 1 / domain_.h;
+    int i = 0;
+    for (; i < tile.end - tile.begin; ++i) {
+      NodeValue columns[Dim];
+      gradient(weights(body.particles, tile.begin + i, t), velocity, columns);
+      for (int b = 0; b < Dim; ++b)
+        for (int a = 0; a < Dim; ++a) s.gradient[a][b][i] = per_length * columns[b][a];
+    }
+    for (; i % pack_width != 0; ++i)  // lanes behind the last particle
+      for (auto& row : s.gradient)
+        for (auto& c : row) c[i] = 0;
+  }
+
+  void give_forces(const Body<Dim>& body, int t, const Scratch& s) {
+    const TileParticles& tile = body.tiles[t];
+    NodeValue* force = grid_.window(t);
+    const double per_length = -1 / domain_.h;
+    static constexpr int component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
+    for (int i = 0; i < tile.end - tile.begin; ++i) {
+      NodeValue flux[Dim];
+      for (int a = 0; a < Dim; ++a) {
+        flux[a] = zero_node();
+        for (int b = 0; b < Dim; ++b) flux[a].set(b, per_length * s.flux[component[a][b]][i]);
+      }
+      scatter_gradient(weights(body.particles, tile.begin + i, t), flux, force);
+    }
+  }
+
+  void advance(int t, double dt, double alpha, TileSums& sums) {
+    NodeValue v_new[Layout::n_window], a[Layout::n_window];
+    grid_.fill_window(t, grid_.new_velocity(), v_new);
+    grid_.fill_window(t, grid_.acceleration(), a);
+    for (auto& body : bodies_) {
+      Particles<Dim>& p = body.particles;
+      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
+        NodeValue at_v, at_a;
+        interpolate(weights(p, i, t), v_new, a, at_v, at_a);
+        for (int axis = 0; axis < Dim; ++axis) {
+          double& v = p.velocity(axis)[i];
+          v = alpha * (v + dt * at_a[axis]) + (1 - alpha) * at_v[axis];
+          p.position(axis)[i] += dt * at_v[axis];
+        }
+        sums.bad |= !inside(domain_.in_cells(p.position_of(i)));
+      }
+    }
+    account_particles(t, sums);
+  }
+
+  void give_momentum(int t) {
+    if (!grid_.tile(t).occupied) return;
+    grid_.clear_window(t);
+    NodeValue* nodes = grid_.window(t);
+    for (const auto& body : bodies_) {
+      const Particles<Dim>& p = body.particles;
+      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
+        const double mass = p.mass()[i];
+        NodeValue value = zero_node();
+        for (int axis = 0; axis < Dim; ++axis) value.set(axis, mass * p.velocity(axis)[i]);
+        value.set(3, mass);
+        scatter(weights(p, i, t), value, nodes);
+      }
+    }
+  }
+
+  void account_particles(int t, TileSums& sums) const {
+    if (!grid_.tile(t).occupied) return;
+    for (const auto& body : bodies_) {
+      const Particles<Dim>& p = body.particles;
+      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
+        const double mass = p.mass()[i];
+        double speed2 = 0;
+        for (int a = 0; a < Dim; ++a) {
+          const double v = p.velocity(a)[i];
+          speed2 += v * v;
+          sums.momentum[a] += mass * v;
+          sums.potential -= mass * gravity_[a] * p.position(a)[i];
+        }
+        sums.mass += mass;
+        sums.kinetic += 0.5 * mass * speed2;
+        sums.particle_speed2 = std::max(sums.particle_speed2, speed2);
+      }
+    }
+  }
+
+  // ---- all tiles -----------------------------------------------------------------------------------------------
+
+  /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
+  template <class F>
+  TileSums over_tiles(F f) {
+    std::vector<TileSums> parts(grid_.n_tiles());
+    loop_.for_each(grid_.n_tiles(), [&](int t, int worker) { f(t, worker, parts[t]); });
+    TileSums total;
+    for (const TileSums& part : parts) total.add(part);
+    return total;
+  }
+
+  void add_windows() {
+    loop_.for_each(grid_.n_tiles(), [&](int t, int) { grid_.add_windows(t); });
+    boundary_->fold_images(grid_, loop_);
+  }
+
+  /// Calls f(node, factors a wall leaves of its velocity, whether it counts or is an image) for the nodes of a tile.
+  template <class F>
+  void for_each_node(int t, F f) const {
+    const bool near_wall = boundary_->near_wall(t);
+    const Index<Dim>& place = grid_.tile(t).place;
+    for (int i = 0; i < Layout::n_nodes; ++i) {
+      if (near_wall)
+        f(i, boundary_->allowed(place, i), !boundary_->is_image(place, i));
+      else
+        f(i, NodeValue(1.0), true);
+    }
+  }
+
+  static double dot3(NodeValue a, NodeValue b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+  static double norm2(NodeValue v) { return dot3(v, v); }
+
+  void arrange() {
+    put_in_cell_order(bodies_, domain_, grid_, loop_);
+    boundary_.emplace(domain_, grid_);
+    drift_ = 0;
+  }
+
+  void take(const TileSums& particles) {
+    ledger_.kinetic = particles.kinetic;
+    ledger_.potential = particles.potential;
+    ledger_.momentum = particles.momentum;
+    ledger_.mass = particles.mass;
+    ledger_.max_speed = std::sqrt(particles.particle_speed2);
+    least_mass_ = 1e-12 * particles.mass / std::max(1L, n_particles());
+  }
+
+  bool inside(const Vec<Dim>& x_in_cells) const {
+    for (int a = 0; a < Dim; ++a)
+      if (!(x_in_cells[a] >= 0 && x_in_cells[a] <= domain_.n_cells[a])) return false;
+    return true;
+  }
+
+  /// Finds the first particle of which `is_bad` holds and says everything about it.
+  template <class F>
+  [[noreturn]] void stop(const std::string& what, F is_bad) {
+    broken_ = true;
+    for (const auto& body : bodies_)
+      for (int i = 0; i < body.particles.size(); ++i) {
+        if (!is_bad(body, i)) continue;
+        throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}", what, ledger_.time, ledger_.step, ledger_.dt, describe(body, i)));
+      }
+    throw RunError(what);
+  }
+
+  /// Distance in cells that a particle may go before particles are put in cell order again. Below half a cell, beyond which windows end; a tenth, because where
+  /// compression is averaged, particles that have left their tile still count as in its nearest cell.
+  static constexpr double largest_drift = 0.1;
+
+  Domain<Dim> domain_;
+  std::vector<Body<Dim>> bodies_;
+  Vec<Dim> gravity_;
+  Numerics numerics_;
+  Loop& loop_;
+  Grid<Dim, Shape> grid_;
+  std::optional<Boundary<Dim, Shape>> boundary_;
+  std::vector<Scratch> scratch_;
+  Ledger ledger_;
+  double drift_ = 0;  ///< bound on how far any particle has moved since it was put in order, in cells
+  double wave_speed_ = 0, viscosity_ = 0, node_speed_ = 0, least_mass_ = 0;
+  double last_dt_ = std::numeric_limits<double>::infinity();
+  bool broken_ = false;  ///< particles may stand anywhere
+};
+
+template <int Dim, class Shape>
+Observation Stepper<Dim, Shape>::observe() {
+  if (!broken_) find_node_velocities();
+  Observation seen{ledger_.time, ledger_.step, {}};
+  int number = 0;
+  for (const auto& body : bodies_) {
+    // Strain rates, tile by tile, as the next step would see them.
+    std::vector<SymTensor<double>> rates(body.particles.size(), SymTensor<double>::zero());
+    loop_.for_each(broken_ ? 0 : grid_.n_tiles(), [&](int t, int worker) {
+      if (!grid_.tile(t).occupied || body.tiles[t].begin == body.tiles[t].end) return;
+      Scratch& s = scratch_[worker];
+      NodeValue velocity[Layout::n_window];
+      grid_.fill_window(t, grid_.velocity(), velocity);
+      s.resize(body.tiles[t].end - body.tiles[t].begin);
+      take_gradients(body, t, velocity, s);
+      for (int i = 0; i < body.tiles[t].end - body.tiles[t].begin; ++i) {
+        Tensor<double> L;
+        for (int a = 0; a < 3; ++a)
+          for (int b = 0; b < 3; ++b) L[a][b] = s.gradient[a][b][i];
+        rates[body.tiles[t].begin + i] = symmetric_part(L);
+      }
+    });
+    observe_body(body, number++, rates, n_particles(), seen);
+  }
+  return seen;
+}
+
+template <int Dim, class Shape>
+ParticlePlaces Stepper<Dim, Shape>::places() const {
+  ParticlePlaces all;
+  all.places.resize(n_particles());
+  all.sizes.resize(n_particles());
+  for (const auto& body : bodies_) place_body(body, all);
+  return all;
+}
+
+}  // namespace talus

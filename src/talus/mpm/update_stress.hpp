@@ -1,0 +1,104 @@
+#pragma once
+/// The law at work on the particles of one tile.
+
+#include "talus/law/registry.hpp"
+#include "talus/mpm/particles.hpp"
+
+namespace talus {
+
+/// What the particles of a tile have in common with the rest of the step: numbers to add up or to take the largest of.
+struct TileSums {
+  double kinetic = 0;           ///< of the particles [J]
+  double potential = 0;         ///< [J]
+  double elastic = 0;           ///< elastic energy of the particles [J]
+  double averaging = 0;         ///< elastic energy lost in this step when compression was averaged [J]
+  double internal_work = 0;     ///< of the stress on the particles' strain in this step [J]
+  double grid_work = 0;         ///< of the same stress on the motion of the nodes in this step [J]
+  double plastic_work = 0;      ///< the part turned into heat by friction [J]
+  double collisional_work = 0;  ///< the part done against collisional stress [J]
+  double held_kinetic = 0;      ///< of the nodes before the step [J]
+  double new_kinetic = 0;       ///< of the nodes after the step [J]
+  Vec<3> momentum{};            ///< of the particles [kg m/s]
+  double mass = 0;              ///< [kg]
+  double wave_speed2 = 0;       ///< largest squared speed of compression waves [m2/s2]
+  double viscosity = 0;         ///< largest kinematic viscosity [m2/s]
+  double particle_speed2 = 0;   ///< largest squared speed of a particle [m2/s2]
+  double node_speed2 = 0;       ///< largest squared speed of a node after the step [m2/s2]
+  int n_separated = 0;
+  int n_unconverged = 0;
+  bool bad = false;             ///< a particle is not finite or has left the domain
+
+  void add(const TileSums& other);
+};
+
+inline void TileSums::add(const TileSums& o) {
+  kinetic += o.kinetic;
+  potential += o.potential;
+  elastic += o.elastic;
+  averaging += o.averaging;
+  internal_work += o.internal_work;
+  grid_work += o.grid_work;
+  plastic_work += o.plastic_work;
+  collisional_work += o.collisional_work;
+  held_kinetic += o.held_kinetic;
+  new_kinetic += o.new_kinetic;
+  momentum = momentum + o.momentum;
+  mass += o.mass;
+  wave_speed2 = std::max(wave_speed2, o.wave_speed2);
+  viscosity = std::max(viscosity, o.viscosity);
+  particle_speed2 = std::max(particle_speed2, o.particle_speed2);
+  node_speed2 = std::max(node_speed2, o.node_speed2);
+  n_separated += o.n_separated;
+  n_unconverged += o.n_unconverged;
+  bad |= o.bad;
+}
+
+/// Working space of one thread, as long as the largest tile.
+struct Scratch {
+  std::vector<double> gradient[3][3];  ///< velocity gradient L [1/s]
+  std::vector<double> flux[6];         ///< volume times stress [J], tension-positive
+  std::vector<double> x, volume;       ///< elastic compression and volume of the particles
+  std::vector<double> mean_x, mean_p, mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
+  std::vector<int> cell;                ///< of the particle, in its tile
+
+  void resize(int n) {
+    n += pack_width;  // the last pack may reach beyond the last particle
+    if (n <= int(x.size())) return;
+    for (auto& row : gradient)
+      for (auto& c : row) c.assign(n, 0.0);
+    for (auto& c : flux) c.resize(n);
+    cell.resize(n);
+    for (auto* c : {&x, &volume, &mean_x, &mean_p, &mean_rate}) c->resize(n);
+  }
+};
+
+struct StressUpdate {
+  double dt;
+  Integration integration;
+  bool average_pressure;
+};
+
+/// Finds the cell of a tile that a place lies in; places beside the tile count as in its nearest cell.
+template <int Dim>
+struct CellFinder {
+  Vec<Dim> origin;  ///< of the grid [m]
+  double per_length;  ///< cells per metre
+  Index<Dim> tile;
+
+  int at(const Vec<Dim>& x) const {
+    int cell = 0;
+    for (int a = Dim - 1; a >= 0; --a)
+      cell = tile_edge * cell + std::clamp(cell_of((x[a] - origin[a]) * per_length) - tile_edge * tile[a], 0, tile_edge - 1);
+    return cell;
+  }
+};
+
+/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times stress there.
+template <int Dim>
+void update_stress(const AnyLaw& law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells,
+                   const StressUpdate& how, Scratch& s, TileSums& sums);
+
+extern template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&, const StressUpdate&, Scratch&, TileSums&);
+extern template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&, const StressUpdate&, Scratch&, TileSums&);
+
+}  // namespace talus

@@ -1,0 +1,76 @@
+#include "talus/output/history.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace talus {
+
+namespace {
+
+/// A column: its name with unit, and where its value comes from.
+struct Column {
+  std::string name;
+  double (*value)(const Ledger&, const Outline&);
+};
+
+std::vector<Column> columns_for(int dim) {
+  std::vector<Column> c = {
+      {"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
+      {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
+      {"dt [s]", [](const Ledger& l, const Outline&) { return l.dt; }},
+      {"front_x_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[0]; }},
+      {"front_x_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[0]; }},
+  };
+  if (dim == 3) {
+    c.push_back({"front_y_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[1]; }});
+    c.push_back({"front_y_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[1]; }});
+    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.radius; }});
+  }
+  const std::vector<Column> rest = {
+      {"height [m]", [](const Ledger&, const Outline& o) { return o.height; }},
+      {"height_at_axis [m]", [](const Ledger&, const Outline& o) { return o.height_at_axis; }},
+      {"kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.kinetic; }},
+      {"potential_energy [J]", [](const Ledger& l, const Outline&) { return l.potential; }},
+      {"elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.elastic; }},
+      {"plastic_dissipation [J]", [](const Ledger& l, const Outline&) { return l.plastic; }},
+      {"collisional_work [J]", [](const Ledger& l, const Outline&) { return l.collisional; }},
+      {"averaging_dissipation [J]", [](const Ledger& l, const Outline&) { return l.averaging; }},
+      {"numerical_dissipation [J]", [](const Ledger& l, const Outline&) { return l.numerical; }},
+      {"energy_error [J]", [](const Ledger& l, const Outline&) { return l.error(); }},
+      {"mass [kg]", [](const Ledger& l, const Outline&) { return l.mass; }},
+      {"momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[0]; }},
+      {"momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[1]; }},
+      {"momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[2]; }},
+      {"max_speed [m/s]", [](const Ledger& l, const Outline&) { return l.max_speed; }},
+      {"separated_particles", [](const Ledger& l, const Outline&) { return double(l.n_separated); }},
+      {"unconverged_returns", [](const Ledger& l, const Outline&) { return double(l.n_unconverged); }},
+  };
+  c.insert(c.end(), rest.begin(), rest.end());
+  return c;
+}
+
+}  // namespace
+
+History::History(const std::filesystem::path& file, int dim) : dim_(dim), file_(file) {
+  for (const Column& c : columns_for(dim)) columns_.push_back(c.name);
+  file_ << fmt::format("{}\n", fmt::join(columns_, ","));
+  if (!file_.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+void History::add(const Ledger& ledger, const Outline& outline) {
+  std::vector<double> row;
+  for (const Column& c : columns_for(dim_)) row.push_back(c.value(ledger, outline));
+  file_ << fmt::format("{:.10g}\n", fmt::join(row, ","));
+  if (!file_.flush()) throw std::runtime_error("history.csv cannot be written; is the disk full?");
+  rows_.push_back(std::move(row));
+}
+
+int History::column(const std::string& name) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), name);
+  return found == columns_.end() ? -1 : int(found - columns_.begin());
+}
+
+}  // namespace talus

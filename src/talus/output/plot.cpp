@@ -1,0 +1,79 @@
+#include "talus/output/plot.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+extern char** environ;
+
+namespace talus {
+
+bool run_gnuplot(const std::filesystem::path& script) {
+  const std::filesystem::path log = script.string() + ".log";
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_addopen(&actions, 2, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  std::string program = "gnuplot", file = script.string();
+  char* arguments[] = {program.data(), file.data(), nullptr};
+  pid_t child = 0;
+  const int failure = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure == ENOENT) return false;
+  if (failure != 0) throw std::runtime_error("gnuplot could not be started");
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 127) return false;
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    std::ostringstream message;
+    message << std::ifstream(log).rdbuf();
+    throw std::runtime_error(fmt::format("gnuplot could not draw {}: {}", script.string(), message.str()));
+  }
+  std::error_code ignored;
+  std::filesystem::remove(log, ignored);
+  return true;
+}
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (char c : text) {
+    if (c == '\'') out += '\'';
+    out += c == '\n' ? ' ' : c;
+  }
+  return out + "'";
+}
+
+std::string even_palette() {
+  // Ten samples of viridis (Smith and van der Walt 2015, public domain).
+  return "set palette defined (0 '#440154', 1 '#482878', 2 '#3e4a89', 3 '#31688e', 4 '#26828e', 5 '#1f9e89', 6 '#35b779', 7 '#6dcd59', 8 '#b4de2c', 9 '#fde725')\n";
+}
+
+bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart) {
+  const std::filesystem::path script = folder / (chart.name + ".gp");
+  // Colours that remain distinct for the colour-blind (Okabe and Ito 2008).
+  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+  std::ofstream out(script);
+  out << "set terminal svg size 640,400 font 'sans,12' background '#ffffff'\n"
+      << "set output " << quoted((folder / (chart.name + ".svg")).string()) << "\n"
+      << "set datafile separator ','\nset key outside bottom center horizontal\nset grid lc '#dddddd'\nset border 3\nset tics nomirror\n"
+      << "set xlabel " << quoted(chart.x_label) << "\nset ylabel " << quoted(chart.y_label) << "\n";
+  std::vector<std::string> plots;
+  for (std::size_t i = 0; i < chart.curves.size(); ++i)
+    plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}", quoted(csv.string()), chart.x_column, chart.x_scale,
+                                chart.curves[i].column, chart.y_scale, colours[i % 7], quoted(chart.curves[i].label)));
+  out << "plot " << fmt::format("{}", fmt::join(plots, ", \\\n     ")) << "\n";
+  out.close();
+  return run_gnuplot(script);
+}
+
+}  // namespace talus

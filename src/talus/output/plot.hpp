@@ -1,0 +1,35 @@
+#pragma once
+/// Figures by gnuplot. Its script and data stay beside each figure, so that users can restyle it.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace talus {
+
+/// Runs a gnuplot script in its own folder. False if gnuplot is not installed; throws std::runtime_error with its message if the script fails.
+bool run_gnuplot(const std::filesystem::path& script);
+
+/// Colours from dark to bright that are told apart equally well along the whole scale, also in grey (viridis, sampled), as a gnuplot palette.
+std::string even_palette();
+
+/// One curve of a chart: a column of a CSV file against another, both counted from 1, scaled for display.
+struct Curve {
+  int column;
+  std::string label;
+};
+struct Chart {
+  std::string name;     ///< of the files: NAME.svg, NAME.gp
+  std::string x_label, y_label;
+  double x_scale = 1, y_scale = 1;
+  int x_column = 1;
+  std::vector<Curve> curves;
+};
+
+/// Draws columns of a CSV file as NAME.svg in `folder`. False if there is no gnuplot.
+bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart);
+
+/// A text inside single quotes of a gnuplot script.
+std::string quoted(const std::string& text);
+
+}  // namespace talus

@@ -1,0 +1,188 @@
+#include "talus/output/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <stdexcept>
+
+#include "talus/base/machine.hpp"
+#include "talus/base/units.hpp"
+
+namespace talus {
+
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  }
+  return out;
+}
+
+std::string contents(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+std::string base64(const std::string& bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve(bytes.size() * 4 / 3 + 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+/// An image as a part of the page.
+std::string embedded(const Picture& picture) {
+  const bool svg = picture.file.extension() == ".svg";
+  return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"><figcaption>{}</figcaption></figure>\n", escaped(picture.caption),
+                     svg ? "svg+xml" : "png", base64(contents(picture.file)), escaped(picture.caption));
+}
+
+/// A share of the energy turned over, as a percentage; a dash where nothing moved.
+std::string share(double part, const Ledger& l) { return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;"; }
+
+constexpr const char* style = R"(
+body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
+table { border-collapse: collapse; } td, th { padding: .15rem .9rem .15rem 0; text-align: left; vertical-align: top; }
+td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+tr.d td { color: #777; } figure { margin: 1rem 0; } img { max-width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(26rem, 1fr)); gap: 1rem; }
+.warning { border-left: .3rem solid #d55e00; padding: .3rem .8rem; background: #fdf3ec; margin: .5rem 0; }
+.good { border-left-color: #009e73; background: #eef8f4; } pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
+)";
+
+}  // namespace
+
+std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
+  std::vector<std::string> warnings;
+  const Ledger& l = run.ledger;
+  const double energy = l.turnover;
+  if (what.numerics.transfer == Transfer::flip && what.numerics.flip_share < 1)
+    warnings.push_back("The result depends on the time step by construction: a fixed share of the particles' velocity is dropped every step. Use transfer = \"flip_tau\".");
+  if (energy > 0 && std::abs(l.error()) > 0.01 * energy)
+    warnings.push_back(fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.", 100 * std::abs(l.error()) / energy));
+  if (energy > 0 && l.numerical + l.averaging > 0.25 * energy)
+    warnings.push_back(fmt::format("Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.", 100 * (l.numerical + l.averaging) / energy));
+  if (l.n_unconverged > 0) warnings.push_back(fmt::format("{} stress updates did not converge.", l.n_unconverged));
+  if (l.n_separated > 0.2 * double(run.n_particles))
+    warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.", 100.0 * l.n_separated / double(run.n_particles)));
+  if (l.plastic > 0 && l.kinetic > 0.01 * energy) warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
+  return warnings;
+}
+
+void write_record(const std::filesystem::path& file, const RunSummary& run) {
+  nlohmann::ordered_json record;
+  record["talus"] = version();
+  record["build"] = build();
+  record["case_file"] = run.case_file;
+  for (const Understood& u : run.understood) record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
+  record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
+  const Ledger& l = run.ledger;
+  record["run"] = {{"outcome", run.failure.empty() ? "finished" : "failed"},
+                   {"failure", run.failure},
+                   {"particles", run.n_particles},
+                   {"steps", l.step},
+                   {"simulated_seconds", l.time},
+                   {"wall_seconds", run.wall_seconds},
+                   {"cpu_seconds", run.cpu_seconds},
+                   {"particle_steps_per_wall_second", run.wall_seconds > 0 ? double(run.n_particles) * double(l.step) / run.wall_seconds : 0},
+                   {"particle_steps_per_cpu_second", run.cpu_seconds > 0 ? double(run.n_particles) * double(l.step) / run.cpu_seconds : 0},
+                   {"bytes_per_particle", run.n_particles > 0 ? double(run.bytes) / double(run.n_particles) : 0},
+                   {"snapshots", run.n_snapshots},
+                   {"warnings", run.warnings}};
+  record["ledger_joule"] = {{"initial", l.initial},       {"kinetic", l.kinetic},         {"potential", l.potential}, {"elastic", l.elastic},
+                            {"plastic", l.plastic},       {"collisional", l.collisional}, {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover}, {"error", l.error()}};
+  const auto outline = [](const Outline& o) {
+    return nlohmann::ordered_json{{"front_x_min", o.front_min[0]}, {"front_x_max", o.front_max[0]}, {"front_radius", o.radius}, {"height", o.height}, {"height_at_axis", o.height_at_axis}};
+  };
+  record["outline_metre"] = {{"start", outline(run.start)}, {"end", outline(run.end)}};
+  std::ofstream out(file);
+  out << record.dump(2) << "\n";
+  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run, const std::vector<Picture>& pictures,
+                  const std::vector<Picture>& charts) {
+  const Ledger& l = run.ledger;
+  std::ostringstream page;
+  page << "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" << escaped(what.title)
+       << "</title><style>" << style << "</style></head><body>\n<h1>" << escaped(what.title) << "</h1>\n<p>"
+       << escaped(fmt::format("talus {} \u2013 {} particles, {} steps, {:.4g} s simulated in {:.1f} s on {} thread{}.", version(), run.n_particles, l.step, l.time,
+                              run.wall_seconds, run.n_threads, run.n_threads == 1 ? "" : "s"))
+       << "</p>\n";
+  if (!run.failure.empty()) page << "<div class=\"warning\"><b>The run failed.</b><pre>" << escaped(run.failure) << "</pre></div>\n";
+  for (const std::string& w : run.warnings) page << "<div class=\"warning\">" << escaped(w) << "</div>\n";
+  if (run.failure.empty() && run.warnings.empty()) page << "<div class=\"warning good\">The run ended as it should: the ledger closes, and nothing calls for a warning.</div>\n";
+
+  const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
+  page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
+  const auto row = [&](const char* name, double a, double b) {
+    page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, millimetres(a), millimetres(b));
+  };
+  row("left front, x", run.start.front_min[0], run.end.front_min[0]);
+  row("right front, x", run.start.front_max[0], run.end.front_max[0]);
+  if (what.dim == 3) row("largest radius", run.start.radius, run.end.radius);
+  row("height", run.start.height, run.end.height);
+  row("height at the axis", run.start.height_at_axis, run.end.height_at_axis);
+  page << "</table>\n";
+
+  if (!pictures.empty()) {
+    page << "<h2>Pictures</h2>\n";
+    for (const Picture& p : pictures) page << embedded(p);
+  }
+  if (!charts.empty()) {
+    page << "<h2>In time</h2>\n<div class=\"charts\">\n";
+    for (const Picture& c : charts) page << embedded(c);
+    page << "</div>\n";
+  }
+
+  page << "<h2>Energy</h2>\n<p>Of " << fmt::format("{:.4g} J", l.turnover) << (what.dim == 2 ? " per metre of thickness" : "") << " that were turned over:</p>\n<table>\n";
+  const auto energy = [&](const char* name, double joule) {
+    page << fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule, share(joule, l));
+  };
+  energy("is still kinetic", l.kinetic);
+  energy("is stored elastically", l.elastic);
+  energy("became heat by friction", l.plastic);
+  energy("was spent in collisions", l.collisional);
+  energy("was lost when compression was averaged over cells", l.averaging);
+  energy("was lost in the transfers between particles and grid", l.numerical);
+  energy("is not accounted for", -l.error());
+  page << "</table>\n";
+
+  page << "<h2>The case as it was understood</h2>\n<p>Grey: defaults.</p>\n<table>\n";
+  for (const Understood& u : run.understood)
+    page << fmt::format("<tr{}><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n", u.by_default ? " class=\"d\"" : "", escaped(u.path), escaped(u.value), escaped(u.meaning));
+  page << "</table>\n<h2>The case file</h2>\n<p><code>" << escaped(run.case_file) << "</code></p>\n<pre>" << escaped(run.case_text) << "</pre>\n";
+  page << "<h2>Record</h2>\n<table>\n";
+  const auto fact = [&](const char* name, const std::string& value) { page << fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", name, escaped(value)); };
+  fact("version", version());
+  fact("build", build());
+  fact("processor", processor());
+  fact("particle-steps per second", fmt::format("{:.3g} (wall), {:.3g} (per CPU-second)", double(run.n_particles) * double(l.step) / std::max(run.wall_seconds, 1e-9),
+                                                double(run.n_particles) * double(l.step) / std::max(run.cpu_seconds, 1e-9)));
+  fact("memory of particles and grid", fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
+  fact("snapshots", fmt::format("{}, listed in particles.hdf.series", run.n_snapshots));
+  page << "</table>\n</body></html>\n";
+  std::ofstream out(file);
+  out << page.str();
+  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+}  // namespace talus

@@ -1,0 +1,41 @@
+#pragma once
+/// record.json and report.html: what was asked, what was done, what came out.
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "talus/case/read.hpp"
+#include "talus/output/history.hpp"
+#include "talus/output/picture.hpp"
+
+namespace talus {
+
+/// What is known of a run when it has ended.
+struct RunSummary {
+  std::string case_file;
+  std::string case_text;  ///< the file as it was read
+  std::vector<Understood> understood;
+  Ledger ledger;
+  Outline start, end;
+  double wall_seconds = 0, cpu_seconds = 0;
+  long n_particles = 0;
+  std::size_t bytes = 0;
+  int n_threads = 1;
+  int n_snapshots = 0;
+  std::string failure;  ///< what stopped the run; empty if it reached its end
+  std::vector<std::string> warnings;
+};
+
+/// Warnings that a run's numbers call for.
+std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
+
+/// Everything that is needed to know what was run, by which version, on what machine, and how it went.
+void write_record(const std::filesystem::path& file, const RunSummary& run);
+
+/// A page that opens without network and without other files.
+void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run, const std::vector<Picture>& pictures,
+                  const std::vector<Picture>& charts);
+
+}  // namespace talus

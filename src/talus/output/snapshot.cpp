@@ -1,0 +1,123 @@
+#include "talus/output/snapshot.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <stdexcept>
+
+namespace talus {
+
+namespace {
+
+/// An HDF5 identifier that closes itself; a negative one is an error.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(id), close_(close) {
+    if (id < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", what));
+  }
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+void check(herr_t status, const char* what) {
+  if (status < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", what));
+}
+
+void write_text_attribute(hid_t object, const char* name, const std::string& text) {
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a text type");
+  check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), "size a text");
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a scalar");
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make an attribute");
+  check(H5Awrite(attribute, type, text.empty() ? " " : text.data()), "write an attribute");
+}
+
+template <class T>
+void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, const std::vector<T>& values, int components, const Field* field = nullptr) {
+  const hsize_t dims[2] = {values.size() / components, hsize_t(components)};
+  const Handle space(H5Screate_simple(components > 1 ? 2 : 1, dims, nullptr), H5Sclose, "make a space");
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
+  if (dims[0] > 1000) {
+    const hsize_t chunk[2] = {std::min<hsize_t>(dims[0], 65536), hsize_t(components)};
+    H5Pset_chunk(properties, components > 1 ? 2 : 1, chunk);
+    H5Pset_shuffle(properties);
+    H5Pset_deflate(properties, 1);
+  }
+  const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, "make a dataset");
+  if (!values.empty()) check(H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
+  if (field) {
+    write_text_attribute(set, "units", field->unit);
+    write_text_attribute(set, "meaning", field->meaning);
+  }
+}
+
+void write_file(const std::filesystem::path& path, const Observation& seen, const std::vector<std::string>& names) {
+  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "create the file");
+  const Handle root(H5Gcreate2(file, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
+  {
+    const hsize_t two = 2;
+    const Handle space(H5Screate_simple(1, &two, nullptr), H5Sclose, "make a space");
+    const Handle version(H5Acreate2(root, "Version", H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make an attribute");
+    const long long one_zero[2] = {1, 0};
+    check(H5Awrite(version, H5T_NATIVE_LLONG, one_zero), "write an attribute");
+  }
+  write_text_attribute(root, "Type", "UnstructuredGrid");
+  const long long n = seen.n_particles();
+  for (const char* count : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
+    write_dataset(root, count, H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{n}, 1);
+  std::vector<long long> numbers(n + 1);
+  std::iota(numbers.begin(), numbers.end(), 0);
+  write_dataset(root, "Offsets", H5T_STD_I64LE, H5T_NATIVE_LLONG, numbers, 1);
+  numbers.pop_back();
+  write_dataset(root, "Connectivity", H5T_STD_I64LE, H5T_NATIVE_LLONG, numbers, 1);
+  constexpr unsigned char vertex = 1;  // VTK_VERTEX
+  write_dataset(root, "Types", H5T_STD_U8LE, H5T_NATIVE_UCHAR, std::vector<unsigned char>(n, vertex), 1);
+  write_dataset(root, "Points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, seen.fields.at(0).values, 3, &seen.fields.at(0));
+
+  const Handle data(H5Gcreate2(root, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
+  for (const std::string& name : names)
+    if (const Field* f = seen.find(name)) write_dataset(data, name.c_str(), H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values, f->components, f);
+
+  const Handle run(H5Gcreate2(file, "talus", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
+  write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time}, 1);
+  write_dataset(run, "step", H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{seen.step}, 1);
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
+}
+
+}  // namespace
+
+void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
+  std::filesystem::path unfinished = file;
+  unfinished += ".unfinished";
+  try {
+    write_file(unfinished, seen, fields);
+    std::filesystem::rename(unfinished, file);
+  } catch (const std::exception& e) {
+    std::error_code ignored;
+    std::filesystem::remove(unfinished, ignored);
+    throw std::runtime_error(fmt::format("the snapshot {} could not be written: {}", file.string(), e.what()));
+  }
+}
+
+void SnapshotSeries::add(const Observation& seen) {
+  const std::string name = fmt::format("particles_{:04d}.hdf", files_.size());
+  write_snapshot(folder_ / name, seen, fields_);
+  files_.push_back(name);
+  times_.push_back(seen.time);
+  nlohmann::json series;
+  series["file-series-version"] = "1.0";
+  for (std::size_t i = 0; i < files_.size(); ++i) series["files"].push_back({{"name", files_[i]}, {"time", times_[i]}});
+  std::ofstream(series_file()) << series.dump(1) << '\n';
+}
+
+}  // namespace talus

@@ -1,0 +1,66 @@
+#include "talus/math/elementary.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace talus {
+namespace {
+
+/// Distance of a double from the exact value (a long double has 11 more bits), in units in the last place.
+double ulps(double value, long double exact) {
+  const double at = std::abs(double(exact));
+  return double(std::abs(static_cast<long double>(value) - exact) / (std::nextafter(at, INFINITY) - at));
+}
+
+TEST(Elementary, ExpIsWithinFourUlpOverItsRange) {
+  std::mt19937_64 random(1);
+  double worst = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    const double half_width = i % 3 == 0 ? 708 : i % 3 == 1 ? 10 : 1e-3;
+    const double x = std::uniform_real_distribution<>(-half_width, half_width)(random);
+    worst = std::max(worst, ulps(talus::exp(x), std::exp(static_cast<long double>(x))));
+  }
+  EXPECT_LE(worst, 4);
+}
+
+TEST(Elementary, LogIsWithinFourUlpOverItsRange) {
+  std::mt19937_64 random(2);
+  double worst = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    const double x = i % 3 == 0   ? std::exp(std::uniform_real_distribution<>(-700, 700)(random))
+                     : i % 3 == 1 ? std::uniform_real_distribution<>(0.5, 2)(random)
+                                  : 1 + std::uniform_real_distribution<>(-1e-6, 1e-6)(random);
+    if (x != 1) worst = std::max(worst, ulps(talus::log(x), std::log(static_cast<long double>(x))));
+  }
+  EXPECT_LE(worst, 4);
+}
+
+TEST(Elementary, PacksGiveTheBitsOfSingleNumbers) {
+  std::mt19937_64 random(3);
+  for (int i = 0; i < 100000; ++i) {
+    const double x = std::uniform_real_distribution<>(-700, 700)(random), y = std::exp(x);
+    EXPECT_EQ(talus::exp(Pack(x))[i % pack_width], talus::exp(x));
+    EXPECT_EQ(talus::log(Pack(y))[i % pack_width], talus::log(y));
+  }
+}
+
+TEST(Elementary, ExactWhereItMustBe) {
+  EXPECT_EQ(talus::exp(0.0), 1);
+  EXPECT_EQ(talus::log(1.0), 0);
+}
+
+TEST(Elementary, OutsideTheRangeTheEndsHoldAndNotANumberStays) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(talus::exp(1e6), talus::exp(709.0));
+  EXPECT_EQ(talus::exp(-infinity), talus::exp(-708.0));
+  EXPECT_TRUE(std::isnan(talus::exp(nan)));
+  EXPECT_TRUE(std::isnan(talus::log(nan)));
+  EXPECT_TRUE(std::isnan(talus::log(infinity)));
+  EXPECT_EQ(talus::log(0.0), talus::log(std::numeric_limits<double>::min()));
+}
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,326 @@
+/// Whole runs whose result is known.
+
+#include "talus/mpm/simulation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "law/parameter_sets.hpp"
+#include "talus/backend/backend.hpp"
+#include "talus/base/error.hpp"
+
+namespace talus {
+namespace {
+
+constexpr double g = 9.81;
+
+/// A block of a material in plane strain or 3D, cells of 1/10 of its height, in the middle of an open domain.
+Case block(int dim, AnyLaw law, double density) {
+  Case what;
+  what.dim = dim;
+  what.domain = dim == 2 ? Box{{0, 0, 0}, {4, 3, 0}} : Box{{0, 0, 0}, {4, 4, 3}};
+  what.cell = 0.1;
+  for (int a = 0; a < dim; ++a) what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
+  what.gravity[dim - 1] = -g;
+  what.materials = {{"stuff", std::move(law), density}};
+  BodySpec body;
+  body.name = "block";
+  body.region = dim == 2 ? Box{{1.5, 1.5, 0}, {2, 2.5, 0}} : Box{{1.5, 1.5, 1.5}, {2, 2, 2.5}};
+  body.spacing = 0.05;
+  what.bodies = {body};
+  what.numerics.tau = 0.01;
+  what.end = 1;
+  return what;
+}
+
+AnyLaw rubber(double E = 1e6, double nu = 0.3) { return LinearElastic{E, nu}; }
+
+/// A sand column at rest between smooth walls on a floor, from x = 0 to 0.4.
+Case column_at_rest(int dim, WallKind floor) {
+  Case what = block(dim, case_1(), 0);
+  const Granular law = case_1();
+  what.materials = {{"sand", law, 0}};
+  what.domain = dim == 2 ? Box{{0, 0, 0}, {0.4, 0.6, 0}} : Box{{0, 0, 0}, {0.4, 0.2, 0.6}};
+  what.cell = 0.05;
+  for (int a = 0; a < dim; ++a) what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
+  what.walls = {WallKind::slip, WallKind::slip, WallKind::slip, WallKind::slip, WallKind::open, WallKind::open};
+  what.walls[2 * dim - 2] = floor;
+  what.walls[2 * dim - 1] = WallKind::open;
+  what.bodies[0].region = dim == 2 ? Box{{0, 0, 0}, {0.4, 0.5, 0}} : Box{{0, 0, 0}, {0.4, 0.2, 0.5}};
+  what.bodies[0].spacing = 0.0125;
+  what.bodies[0].void_ratio = 0.85;
+  what.bodies[0].initial_stress = InitialStress::k0;
+  what.numerics.tau = 0.08 * std::sqrt(0.5 / g);
+  return what;
+}
+
+void run_until(Simulation& s, double end) {
+  while (s.ledger().time < end) s.step();
+}
+
+double value(const Observation& seen, const char* field, int particle, int component = 0) {
+  const Field& f = *seen.find(field);
+  return f.values[std::size_t(particle) * f.components + component];
+}
+
+// ---- exact solutions ---------------------------------------------------------------------------------------------
+
+class InBothDimensions : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Dim, InBothDimensions, testing::Values(2, 3), [](const auto& p) { return std::to_string(p.param) + "D"; });
+
+TEST_P(InBothDimensions, AFreelyFallingBlockFallsByTheParabolaWithoutStress) {
+  Case what = block(GetParam(), rubber(), 1000);
+  what.bodies[0].velocity[0] = 0.3;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  const Observation before = s->observe();
+  double t = 0, fall = 0, v = 0, squares = 0;
+  for (int i = 0; i < 60; ++i) {
+    s->step();
+    // what exact arithmetic gives for the scheme: v += g dt, then x += v dt
+    v += g * s->ledger().dt;
+    fall += v * s->ledger().dt;
+    t += s->ledger().dt;
+    squares += s->ledger().dt * s->ledger().dt;
+  }
+  const Observation after = s->observe();
+  const int up = GetParam() - 1;
+  for (int i = 0; i < after.n_particles(); ++i) {
+    EXPECT_NEAR(value(after, "position", i, up), value(before, "position", i, up) - fall, 1e-12);
+    EXPECT_NEAR(value(after, "position", i, 0), value(before, "position", i, 0) + 0.3 * t, 1e-12);
+    EXPECT_NEAR(value(after, "velocity", i, up), -g * t, 1e-11);
+    EXPECT_NEAR(value(after, "q", i), 0, 1e-4);  // of 1e6 Pa
+  }
+  // v at the end of a step carries x through all of it: the fall is g sum(dt^2)/2 too deep, and the ledger says so
+  EXPECT_NEAR(s->ledger().error(), -0.5 * s->ledger().mass * g * g * squares, 1e-6 * s->ledger().kinetic);
+}
+
+TEST_P(InBothDimensions, MassAndMomentumAreThoseOfTheBodyAndOfGravity) {
+  const auto loop = make_serial();
+  Case what = block(GetParam(), rubber(1e4), 1000);
+  what.bodies[0].velocity[0] = 0.3;
+  const auto s = make_simulation(what, *loop);
+  const double mass = 1000 * 0.5 * (GetParam() == 3 ? 0.5 : 1.0) * 1.0;
+  EXPECT_NEAR(s->ledger().mass, mass, 1e-12 * mass);
+  run_until(*s, 0.1);
+  EXPECT_NEAR(s->ledger().mass, mass, 1e-12 * mass);
+  EXPECT_NEAR(s->ledger().momentum[0], 0.3 * mass, 1e-12 * mass);
+  EXPECT_NEAR(s->ledger().momentum[GetParam() - 1], -g * s->ledger().time * mass, 1e-11 * mass);
+}
+
+TEST(Simulation, AnElasticBarBetweenSmoothWallsSwingsWithItsPeriod) {
+  // Under sudden gravity the bar's centre swings about rho g L^2/(3 M) below its place, first mode period T = 4 L/c.
+  Case what = block(2, LinearElastic{1e7, 0.0}, 1000);
+  what.domain = {{0, 0, 0}, {0.2, 1.2, 0}};
+  what.n_cells = {4, 24, 0};
+  what.cell = 0.05;
+  what.walls = {WallKind::slip, WallKind::slip, WallKind::slip, WallKind::open, WallKind::open, WallKind::open};
+  what.bodies[0].region = Box{{0, 0, 0}, {0.2, 1, 0}};
+  what.bodies[0].spacing = 0.025;
+  what.numerics.transfer = Transfer::flip;
+  what.numerics.average_pressure = false;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  const double T = 4 * 1 / std::sqrt(1e7 / 1000);
+  std::vector<double> t, height;
+  while (s->ledger().time < 5.2 * T) {
+    s->step();
+    t.push_back(s->ledger().time);
+    height.push_back(s->ledger().potential / (s->ledger().mass * g));
+  }
+  // instants of lowest height, from parabolas through the lowest points
+  std::vector<double> lowest;
+  for (std::size_t i = 20; i + 20 < t.size(); ++i)
+    if (*std::min_element(height.begin() + long(i) - 20, height.begin() + long(i) + 21) == height[i]) {
+      const double a = height[i - 1], b = height[i], c = height[i + 1];
+      lowest.push_back(t[i] + (t[i + 1] - t[i]) * (a - c) / (2 * (a - 2 * b + c)));
+    }
+  ASSERT_EQ(lowest.size(), 5u);
+  EXPECT_NEAR((lowest.back() - lowest.front()) / 4 / T, 1, 0.005);
+  EXPECT_LT(std::abs(s->ledger().error()), 0.015 * s->ledger().turnover);
+}
+
+TEST(Simulation, TwoElasticDisksBounceAndKeepTheirEnergy) {
+  // Sulsky, Chen and Schreyer 1994: E = 1000, nu = 0.3, rho = 1000, radius 0.2, speed 0.1 sqrt(2) towards each other
+  Case what = block(2, rubber(1000, 0.3), 1000);
+  what.domain = {{0, 0, 0}, {1, 1, 0}};
+  what.cell = 0.05;
+  what.n_cells = {20, 20, 0};
+  what.gravity = {};
+  BodySpec disk = what.bodies[0];
+  disk.spacing = 0.025;
+  disk.region = Cylinder{{0.25, 0.25, 0}, 0.2, 0};
+  disk.velocity = {0.1, 0.1, 0};
+  what.bodies = {disk, disk};
+  what.bodies[1].region = Cylinder{{0.75, 0.75, 0}, 0.2, 0};
+  what.bodies[1].velocity = {-0.1, -0.1, 0};
+  what.numerics.transfer = Transfer::flip;
+  what.numerics.average_pressure = false;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  const double kinetic = s->ledger().kinetic;
+  double least = kinetic;
+  while (s->ledger().time < 3.4) {
+    s->step();
+    least = std::min(least, s->ledger().kinetic);
+  }
+  EXPECT_LT(least, 0.5 * kinetic);                        // they did press each other
+  EXPECT_GT(s->ledger().kinetic, 0.93 * kinetic);         // and parted
+  EXPECT_LT(s->ledger().kinetic, 1.001 * kinetic);        // without a gift
+  EXPECT_NEAR(s->ledger().momentum[0], 0, 1e-12);
+  EXPECT_LT(s->observe().find("velocity")->values[0], 0);  // the first disk goes back
+}
+
+// ---- sand at rest --------------------------------------------------------------------------------------------------
+
+TEST_P(InBothDimensions, ASandColumnBetweenSmoothWallsStaysAtRestUnderItsWeight) {
+  const auto loop = make_openmp(2);
+  const auto s = make_simulation(column_at_rest(GetParam(), WallKind::slip), *loop);
+  run_until(*s, 0.1);
+  EXPECT_LT(s->ledger().max_speed, 2e-3 * std::sqrt(10));  // 2 mm/s in a column of 50 mm, and this one is ten times as high
+  const Observation seen = s->observe();
+  const int up = GetParam() - 1;
+  const double rho = 2500 / 1.85, K0 = 1 - std::sin(case_1_sand().phi_c);
+  int n = 0;
+  for (int i = 0; i < seen.n_particles(); ++i) {
+    EXPECT_EQ(value(seen, "separated", i), 0);
+    const double depth = 0.5 - value(seen, "position", i, up);
+    if (depth < 0.1 || depth > 0.45) continue;
+    // within the scatter that the cell's mean leaves: pressure varies by rho g h/2 about it
+    EXPECT_NEAR(value(seen, "p_f", i), rho * g * depth * (1 + 2 * K0) / 3, 0.6 * rho * g * 0.05 * (1 + 2 * K0) / 3 + 0.03 * rho * g * depth);
+    ++n;
+  }
+  EXPECT_GT(n, 100);
+}
+
+TEST(Simulation, InsideACellThePressureVariesByLessThanFivePercent) {
+  const auto loop = make_openmp(2);
+  Case what = column_at_rest(2, WallKind::no_slip);
+  what.walls[0] = what.walls[1] = WallKind::open;  // and let go
+  what.domain = {{-1, 0, 0}, {1.4, 0.6, 0}};
+  what.n_cells = {48, 12, 0};
+  const auto s = make_simulation(what, *loop);
+  run_until(*s, 0.15);
+  const Observation seen = s->observe();
+  std::map<std::pair<int, int>, std::vector<double>> cells;
+  for (int i = 0; i < seen.n_particles(); ++i)
+    cells[{int(std::floor(value(seen, "position", i, 0) / 0.05)), int(std::floor(value(seen, "position", i, 1) / 0.05))}].push_back(value(seen, "p_f", i));
+  double noise = 0;
+  int n = 0;
+  for (const auto& [cell, p] : cells) {
+    double mean = 0, square = 0;
+    for (double x : p) mean += x / double(p.size());
+    for (double x : p) square += (x - mean) * (x - mean) / double(p.size());
+    if (mean < 100 || p.size() < 6) continue;  // empty or nearly so
+    noise += std::sqrt(square) / mean;
+    ++n;
+  }
+  ASSERT_GT(n, 20);
+  EXPECT_LT(noise / n, 0.05);
+}
+
+TEST(Simulation, ASlumpAccountsForItsEnergyWithinOnePercentAndKeepsItsSymmetry) {
+  const auto loop = make_openmp(2);
+  Case what = column_at_rest(2, WallKind::no_slip);
+  what.domain = {{-1, 0, 0}, {1.4, 0.6, 0}};
+  what.n_cells = {48, 12, 0};
+  what.walls[0] = what.walls[1] = WallKind::open;
+  const auto s = make_simulation(what, *loop);
+  for (double t = 0.05; t <= 0.4; t += 0.05) {
+    run_until(*s, t);
+    EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover) << t;
+  }
+  EXPECT_GT(s->ledger().plastic, 0.3 * s->ledger().turnover);
+  const ParticlePlaces p = s->places();
+  double left = 1e9, right = -1e9;
+  for (const auto& x : p.places) {
+    left = std::min(left, x[0]);
+    right = std::max(right, x[0]);
+  }
+  EXPECT_GT(right, 0.6);  // it did slump
+  EXPECT_NEAR(0.2 - left, right - 0.2, 1e-3);
+  EXPECT_EQ(s->ledger().n_unconverged, 0);
+}
+
+// ---- the same bits -----------------------------------------------------------------------------------------------
+
+TEST_P(InBothDimensions, TheResultHasTheSameBitsOnAnyNumberOfThreads) {
+  Case what = column_at_rest(GetParam(), WallKind::no_slip);
+  what.domain.max[0] = 1;
+  what.n_cells[0] = 20;
+  what.walls[1] = WallKind::open;
+  std::vector<Observation> seen;
+  std::vector<Ledger> ledgers;
+  for (int threads : {0, 1, 2, 7}) {
+    const auto loop = threads == 0 ? make_serial() : make_openmp(threads);
+    const auto s = make_simulation(what, *loop);
+    for (int i = 0; i < 120; ++i) s->step();
+    seen.push_back(s->observe());
+    ledgers.push_back(s->ledger());
+  }
+  for (std::size_t k = 1; k < seen.size(); ++k) {
+    EXPECT_EQ(ledgers[k].kinetic, ledgers[0].kinetic);
+    EXPECT_EQ(ledgers[k].numerical, ledgers[0].numerical);
+    EXPECT_EQ(ledgers[k].time, ledgers[0].time);
+    for (const char* f : {"position", "velocity", "stress", "kappa"})
+      EXPECT_EQ(seen[k].find(f)->values, seen[0].find(f)->values) << f;
+  }
+}
+
+// ---- when it breaks ------------------------------------------------------------------------------------------------
+
+TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {
+  const auto loop = make_serial();
+  Case what = block(2, rubber(), 1000);
+  what.bodies[0].velocity = {-5, 0, 0};
+  const auto s = make_simulation(what, *loop);
+  try {
+    run_until(*s, 1);
+    FAIL() << "it left unnoticed";
+  } catch (const RunError& e) {
+    const std::string text = e.what();
+    for (const char* part : {"left the domain", "particle ", "block", "position", "velocity", "t = ", "step "}) EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+  }
+  EXPECT_NO_THROW(s->observe());  // what is left can still be looked at
+}
+
+TEST(Simulation, AStepThatIsTooLongForTheWavesBreaksTheRunWithAMessageNotWithRubbish) {
+  const auto loop = make_serial();
+  Case what = column_at_rest(2, WallKind::no_slip);
+  what.walls[1] = WallKind::open;
+  what.domain.max[0] = 1;
+  what.n_cells[0] = 20;
+  what.numerics.dt = 0.01;  // some ten times the stable step
+  const auto s = make_simulation(what, *loop);
+  EXPECT_THROW(run_until(*s, 5), RunError);
+}
+
+TEST(Simulation, ABodyWithoutParticlesIsRefused) {
+  const auto loop = make_serial();
+  Case what = block(2, rubber(), 1000);
+  what.bodies[0].spacing = 3;
+  EXPECT_THROW(make_simulation(what, *loop), InputError);
+}
+
+// ---- what bodies are made of -----------------------------------------------------------------------------------------
+
+TEST(Simulation, Case2HasThePapersNumberOfPointsToThePoint) {
+  Case what = block(3, case_1(), 0);
+  what.materials = {{"grains", case_1(), 0}};
+  what.domain = {{-0.24, -0.24, 0}, {0.24, 0.24, 0.184}};
+  what.cell = 0.008;
+  what.n_cells = {60, 60, 23};
+  what.bodies[0].region = Cylinder{{0, 0, 0}, 0.035, 0.175};
+  what.bodies[0].spacing = 0.008 / 6;
+  what.bodies[0].lattice = Lattice::corner;
+  what.bodies[0].void_ratio = 0.85;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  EXPECT_EQ(s->n_particles(), 284724);
+  EXPECT_NEAR(s->ledger().mass, 2500 / 1.85 * std::numbers::pi * 0.035 * 0.035 * 0.175, 1e-12);
+}
+
+}  // namespace
+}  // namespace talus
