@@ -1,4 +1,5 @@
-/// The element driver at its default settings against solutions that were converged elsewhere: within 0.1 % of each curve's maximum.
+/// The element driver at its default settings against solutions that were converged elsewhere: within 0.1 % of each
+/// curve's maximum.
 
 #include <gtest/gtest.h>
 
@@ -80,7 +81,8 @@ ElementTest frictional_test(const Simsand& law, const Table& table) {
 }
 
 /// Largest difference of a quantity between a result and a table, over the quantity's maximum in the table.
-double difference(const ElementResult& result, const std::string& ours, const Table& table, const std::string& theirs, double scale) {
+double difference(const ElementResult& result, const std::string& ours, const Table& table, const std::string& theirs,
+                  double scale) {
   EXPECT_EQ(result.rows.size(), table.rows.size());
   const int column = result.column(ours);
   EXPECT_GE(column, 0) << ours;
@@ -95,7 +97,10 @@ void expect_frictional_curves(const ElementResult& result, const Table& table, d
   for (const char* c : {"sxx", "syy", "szz", "sxy", "syz", "szx"}) largest = std::max(largest, table.largest(c));
   static constexpr const char* theirs[] = {"sxx", "syy", "szz", "sxy", "syz", "szx"};
   for (int i = 0; i < 6; ++i)
-    EXPECT_LT(difference(result, std::string("stress_") + SymTensor<double>::component_names[i], table, theirs[i], largest), within) << theirs[i];
+    EXPECT_LT(
+        difference(result, std::string("stress_") + SymTensor<double>::component_names[i], table, theirs[i], largest),
+        within)
+        << theirs[i];
   EXPECT_LT(difference(result, "p", table, "p", table.largest("p")), within);
   if (table.largest("q") > 1) {
     EXPECT_LT(difference(result, "q", table, "q", table.largest("q")), within);
@@ -106,7 +111,7 @@ void expect_frictional_curves(const ElementResult& result, const Table& table, d
   EXPECT_LT(difference(result, "void_ratio", table, "void", 1), 5e-6);
 }
 
-// ---- strain-controlled, straight between rows -------------------------------------------------------------------
+// ---- strain-controlled, straight between rows --------------------------------------------------------------------
 
 struct StraightPath {
   const char* name;
@@ -118,20 +123,23 @@ Simsand with(Simsand law, LodeRule rule) {
 }
 
 class Converged : public testing::TestWithParam<StraightPath> {};
-INSTANTIATE_TEST_SUITE_P(Paths, Converged,
-                         testing::Values(StraightPath{"R01_iso_comp", analysis_sand()}, StraightPath{"R02_txcu_W_dense", wichtmann_sand()},
-                                         StraightPath{"R03_txcu_W_loose", wichtmann_sand()}, StraightPath{"R04_txeu_W_dense", wichtmann_sand()},
-                                         StraightPath{"R05_ssu_dense", analysis_sand()}, StraightPath{"R06a_ssu_loose", analysis_sand()},
-                                         StraightPath{"R06b_ssu_loose_MC", with(analysis_sand(), LodeRule::mohr_coulomb)},
-                                         StraightPath{"R06c_ssu_loose_noLode", with(analysis_sand(), LodeRule::none)},
-                                         StraightPath{"R06d_ssu_e0.90", analysis_sand()}, StraightPath{"R10_txcu_unload", wichtmann_sand()},
-                                         StraightPath{"R11_oedometer", analysis_sand()}, StraightPath{"R14_ss_cyclic", analysis_sand()},
-                                         StraightPath{"R15_ssu_case1_lowp", case_1_sand()}),
-                         [](const auto& test) {
-                           std::string name = test.param.name;
-                           std::replace_if(name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
-                           return name;
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Paths, Converged,
+    testing::Values(StraightPath{"R01_iso_comp", analysis_sand()}, StraightPath{"R02_txcu_W_dense", wichtmann_sand()},
+                    StraightPath{"R03_txcu_W_loose", wichtmann_sand()},
+                    StraightPath{"R04_txeu_W_dense", wichtmann_sand()}, StraightPath{"R05_ssu_dense", analysis_sand()},
+                    StraightPath{"R06a_ssu_loose", analysis_sand()},
+                    StraightPath{"R06b_ssu_loose_MC", with(analysis_sand(), LodeRule::mohr_coulomb)},
+                    StraightPath{"R06c_ssu_loose_noLode", with(analysis_sand(), LodeRule::none)},
+                    StraightPath{"R06d_ssu_e0.90", analysis_sand()}, StraightPath{"R10_txcu_unload", wichtmann_sand()},
+                    StraightPath{"R11_oedometer", analysis_sand()}, StraightPath{"R14_ss_cyclic", analysis_sand()},
+                    StraightPath{"R15_ssu_case1_lowp", case_1_sand()}),
+    [](const auto& test) {
+      std::string name = test.param.name;
+      std::replace_if(
+          name.begin(), name.end(), [](char c) { return !std::isalnum(static_cast<unsigned char>(c)); }, '_');
+      return name;
+    });
 
 TEST_P(Converged, StressKappaAndVoidRatioAgree) {
   const Table table(GetParam().name);
@@ -163,7 +171,7 @@ TEST(Converged, ReturnMappingGoesThereToo) {
   EXPECT_NEAR(result.rows.back()[result.column("q")] / last, 1, 2e-3);
 }
 
-// ---- mixed control ------------------------------------------------------------------------------------------------
+// ---- mixed control -----------------------------------------------------------------------------------------------
 
 TEST(Converged, R07DrainedTriaxialCompressionOfDenseSand) {
   const Table table("R07_txcd_dense");
@@ -201,7 +209,9 @@ TEST(Converged, R12DrainedSimpleShearWithUnloading) {
   for (std::size_t row = 1; row < table.rows.size(); ++row) {
     Segment s;
     s.rows = 1;
-    s.controls = {strain(0, 0), held_stress(1), strain(2, 0), strain(3, table.at(row, "exy") - table.at(row - 1, "exy")), strain(4, 0), strain(5, 0)};
+    s.controls = {strain(0, 0), held_stress(1),
+                  strain(2, 0), strain(3, table.at(row, "exy") - table.at(row - 1, "exy")),
+                  strain(4, 0), strain(5, 0)};
     test.segments.push_back(s);
   }
   expect_frictional_curves(run_element_test(test), table, tolerance);
@@ -217,7 +227,7 @@ TEST(Converged, R16DrainedTriaxialCompressionAtTheStressOfAModelColumn) {
   expect_frictional_curves(run_element_test(test), table, tolerance);
 }
 
-// ---- turning paths --------------------------------------------------------------------------------------------------
+// ---- turning paths -----------------------------------------------------------------------------------------------
 
 /// A table of strain rates, finely sampled from a function.
 std::vector<RateInstant> sampled(double duration, const std::function<std::array<double, 6>(double)>& rate) {
@@ -256,7 +266,8 @@ std::vector<CollisionalPath> collisional_paths() {
   return {{"C01_col_loop", 1e4, [](double t) { return std::array<double, 6>{0, 0, 0, 100 * trapezoid(t), 0, 0}; }},
           {"C02_col_rotdir", 1e4,
            [](double t) {
-             const double angle = 0.5 * std::numbers::pi * std::clamp((t - 0.4) / 0.2, 0.0, 1.0), g = 100 * trapezoid(t);
+             const double angle = 0.5 * std::numbers::pi * std::clamp((t - 0.4) / 0.2, 0.0, 1.0),
+                          g = 100 * trapezoid(t);
              return std::array<double, 6>{0, 0, 0, g * std::cos(angle), g * std::sin(angle), 0};
            }},
           {"C03_col_void", 1e4,
@@ -287,7 +298,8 @@ void expect_collisional_curves(CollisionalForm form, const std::string& prefix) 
     double largest = 0;
     for (const char* c : components) largest = std::max(largest, table.largest(prefix + "_s" + c));
     for (const char* c : components)
-      EXPECT_LT(difference(result, std::string("stress_") + c, table, prefix + "_s" + c, largest), tolerance) << path.name << " " << c;
+      EXPECT_LT(difference(result, std::string("stress_") + c, table, prefix + "_s" + c, largest), tolerance)
+          << path.name << " " << c;
     EXPECT_LT(difference(result, "f_Phi", table, "f_phi", table.largest("f_phi")), tolerance) << path.name;
     EXPECT_LT(difference(result, "mu", table, "mu_tot", table.largest("mu_tot")), tolerance) << path.name;
   }
@@ -296,7 +308,7 @@ void expect_collisional_curves(CollisionalForm form, const std::string& prefix) 
 TEST(Converged, CollisionalStressInTheTotalForm) { expect_collisional_curves(CollisionalForm::total, "tot"); }
 TEST(Converged, CollisionalStressInTheRateForm) { expect_collisional_curves(CollisionalForm::rate, "rate"); }
 
-// ---- the unified law ----------------------------------------------------------------------------------------------
+// ---- the unified law ---------------------------------------------------------------------------------------------
 
 struct UnifiedPath {
   const char* name;
@@ -327,14 +339,19 @@ void expect_unified_curves(const UnifiedPath& path) {
   EXPECT_LT(difference(result, "frictional_stress_xy", table, "tau_f", table.largest("tau_f")), tolerance);
   EXPECT_LT(difference(result, "kappa", table, "kappa", table.largest("kappa")), tolerance);
   EXPECT_LT(difference(result, "collisional_stress_yy", table, "syy_col", table.largest("syy_col")), tolerance);
-  EXPECT_LT(difference(result, "collisional_stress_xy", table, "tau_col_total", table.largest("tau_col_total")), tolerance);
+  EXPECT_LT(difference(result, "collisional_stress_xy", table, "tau_col_total", table.largest("tau_col_total")),
+            tolerance);
   EXPECT_LT(difference(result, "p_col", table, "pcol_third_trace", table.largest("pcol_third_trace")), tolerance);
   EXPECT_LT(difference(result, "mu", table, "mu_total", table.largest("mu_total")), tolerance);
 }
 
-TEST(Converged, U01PolystyreneUntilJustBeforeLiquefaction) { expect_unified_curves({"U01_poly_1.010", {polystyrene_sand(), polystyrene_grains()}, 1.010}); }
+TEST(Converged, U01PolystyreneUntilJustBeforeLiquefaction) {
+  expect_unified_curves({"U01_poly_1.010", {polystyrene_sand(), polystyrene_grains()}, 1.010});
+}
 TEST(Converged, U02Glass) { expect_unified_curves({"U02_glass_0.916", {glass_sand(), glass_grains()}, 0.916}); }
-TEST(Converged, U03AnalysisSandUpTo100PerSecond) { expect_unified_curves({"U03_T2T3_0.895", {analysis_sand(), table_3()}, 0.895}); }
+TEST(Converged, U03AnalysisSandUpTo100PerSecond) {
+  expect_unified_curves({"U03_T2T3_0.895", {analysis_sand(), table_3()}, 0.895});
+}
 
 }  // namespace
 }  // namespace talus

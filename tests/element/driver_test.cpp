@@ -12,14 +12,16 @@ namespace talus {
 namespace {
 
 /// A test from text: linear elasticity unless the text says otherwise.
-ElementResult run(const std::string& rest, const std::string& material = "law = \"linear_elastic\"\nE = \"10 MPa\"\nnu = 0.25\n",
+ElementResult run(const std::string& rest,
+                  const std::string& material = "law = \"linear_elastic\"\nE = \"10 MPa\"\nnu = 0.25\n",
                   const std::string& initial = "pressure = \"100 kPa\"\n") {
   const std::string text = "title = \"test\"\n[material]\n" + material + "[initial]\n" + initial + rest;
   return run_element_test(read_element_test_text("test.toml", text, ".").what);
 }
 
 const std::string sand =
-    "law = \"simsand\"\nE0 = 150\nnu = 0.2\nn = 0.6\nphi_c = \"23 deg\"\ne_ref = 0.907\nLambda = 0.022\nxi = 0.71\nA_d = 0.5\nk_p = 0.001\nn_p = 1\nn_d = 1\n";
+    "law = \"simsand\"\nE0 = 150\nnu = 0.2\nn = 0.6\nphi_c = \"23 deg\"\ne_ref = 0.907\nLambda = 0.022\nxi = 0.71\nA_d "
+    "= 0.5\nk_p = 0.001\nn_p = 1\nn_d = 1\n";
 const std::string sand_state = "pressure = \"100 kPa\"\nvoid_ratio = 0.80\n";
 
 double last(const ElementResult& r, const std::string& name) { return r.rows.back().at(r.column(name)); }
@@ -40,7 +42,10 @@ TEST(Driver, DrainedTriaxialTestOfAnElasticMaterialHasYoungsModulus) {
 
 TEST(Driver, UndrainedTestsKeepTheVolume) {
   for (const char* axis : {"x", "y", "z"}) {
-    const auto r = run(std::string("[[segment]]\ntest = \"triaxial\"\ndrainage = \"undrained\"\naxial_strain = 0.05\naxis = \"") + axis + "\"\n", sand, sand_state);
+    const auto r =
+        run(std::string("[[segment]]\ntest = \"triaxial\"\ndrainage = \"undrained\"\naxial_strain = 0.05\naxis = \"") +
+                axis + "\"\n",
+            sand, sand_state);
     EXPECT_NEAR(last(r, "strain_xx") + last(r, "strain_yy") + last(r, "strain_zz"), 0, 1e-14);
     EXPECT_NEAR(last(r, std::string("strain_") + axis + axis), 0.05, 1e-14);
     EXPECT_NEAR(last(r, "void_ratio"), 0.80, 1e-12);
@@ -48,7 +53,8 @@ TEST(Driver, UndrainedTestsKeepTheVolume) {
 }
 
 TEST(Driver, ConstantMeanStressIsHeldAllTheWay) {
-  const auto r = run("[[segment]]\ntest = \"triaxial\"\ndrainage = \"constant_p\"\naxial_strain = 0.05\n", sand, sand_state);
+  const auto r =
+      run("[[segment]]\ntest = \"triaxial\"\ndrainage = \"constant_p\"\naxial_strain = 0.05\n", sand, sand_state);
   for (const auto& row : r.rows) {
     EXPECT_NEAR(row[r.column("p")], 1e5, 0.1);
     EXPECT_NEAR(row[r.column("strain_yy")], row[r.column("strain_zz")], 1e-12);
@@ -57,27 +63,35 @@ TEST(Driver, ConstantMeanStressIsHeldAllTheWay) {
 }
 
 TEST(Driver, NormalStressIsHeldInSimpleShear) {
-  const auto r = run("[[segment]]\ntest = \"simple_shear\"\ndrainage = \"constant_normal_stress\"\nshear_strain = 0.05\n", sand, sand_state);
+  const auto r =
+      run("[[segment]]\ntest = \"simple_shear\"\ndrainage = \"constant_normal_stress\"\nshear_strain = 0.05\n", sand,
+          sand_state);
   for (const auto& row : r.rows) EXPECT_NEAR(row[r.column("stress_yy")], 1e5, 0.1);
   EXPECT_NEAR(last(r, "strain_xx"), 0, 1e-15);
   EXPECT_LT(last(r, "strain_yy"), 0);  // dense: it dilates
 }
 
 TEST(Driver, StressGoesStraightToItsTarget) {
-  const auto r = run("[[segment]]\ntest = \"isotropic_compression\"\npressure = \"400 kPa\"\nrows = 3\n", sand, sand_state);
+  const auto r =
+      run("[[segment]]\ntest = \"isotropic_compression\"\npressure = \"400 kPa\"\nrows = 3\n", sand, sand_state);
   EXPECT_NEAR(r.rows[1][r.column("p")], 2e5, 1);
   EXPECT_NEAR(r.rows[2][r.column("p")], 3e5, 1);
   EXPECT_NEAR(r.rows[3][r.column("p")], 4e5, 1);
 }
 
 TEST(Driver, SegmentsFollowEachOther) {
-  const auto r = run("[[segment]]\ntest = \"isotropic_compression\"\npressure = \"200 kPa\"\n[[segment]]\ntest = \"triaxial\"\ndrainage = \"drained\"\naxial_strain = 0.01\n", sand, sand_state);
+  const auto r =
+      run("[[segment]]\ntest = \"isotropic_compression\"\npressure = \"200 kPa\"\n[[segment]]\ntest = "
+          "\"triaxial\"\ndrainage = \"drained\"\naxial_strain = 0.01\n",
+          sand, sand_state);
   EXPECT_NEAR(last(r, "stress_yy"), 2e5, 0.5);
   EXPECT_NEAR(last(r, "time"), 2, 1e-12);
 }
 
 TEST(Driver, ReversalsGoThroughTheirTurningPoints) {
-  const auto r = run("[[segment]]\ntest = \"simple_shear\"\ndrainage = \"undrained\"\nreversals = [0.01, -0.01, 0.02]\nrows = 60\n", sand, sand_state);
+  const auto r = run(
+      "[[segment]]\ntest = \"simple_shear\"\ndrainage = \"undrained\"\nreversals = [0.01, -0.01, 0.02]\nrows = 60\n",
+      sand, sand_state);
   double most = 0, least = 0;
   for (const auto& row : r.rows) {
     most = std::max(most, row[r.column("strain_xy")]);
@@ -89,7 +103,9 @@ TEST(Driver, ReversalsGoThroughTheirTurningPoints) {
 }
 
 TEST(Driver, StrainRateAndAccelerationMakeTheStrain) {
-  const auto r = run("[[segment]]\nduration = \"2 s\"\nxy = { strain_rate = \"0.1 1/s\", strain_acceleration = \"0.3 1/s2\" }\nzz = { strain = 0.01 }\n");
+  const auto r =
+      run("[[segment]]\nduration = \"2 s\"\nxy = { strain_rate = \"0.1 1/s\", strain_acceleration = \"0.3 1/s2\" }\nzz "
+          "= { strain = 0.01 }\n");
   EXPECT_NEAR(last(r, "strain_xy"), 0.1 * 2 + 0.3 * 2 * 2 / 2, 1e-12);
   EXPECT_NEAR(last(r, "strain_rate_xy"), 0.1 + 0.3 * 2, 1e-12);
   EXPECT_NEAR(last(r, "strain_zz"), 0.01, 1e-14);
@@ -97,7 +113,8 @@ TEST(Driver, StrainRateAndAccelerationMakeTheStrain) {
 
 TEST(Driver, AStressThatCannotBeReachedIsAnErrorThatSaysWhichAndWhen) {
   try {
-    run("[[segment]]\nxx = { stress = \"900 kPa\" }\nyy = { stress = \"held\" }\nzz = { stress = \"held\" }\n", sand, sand_state);
+    run("[[segment]]\nxx = { stress = \"900 kPa\" }\nyy = { stress = \"held\" }\nzz = { stress = \"held\" }\n", sand,
+        sand_state);
     FAIL() << "the sand carried nine times its confining pressure";
   } catch (const RunError& e) {
     EXPECT_NE(std::string(e.what()).find("stress_"), std::string::npos) << e.what();
@@ -106,7 +123,9 @@ TEST(Driver, AStressThatCannotBeReachedIsAnErrorThatSaysWhichAndWhen) {
 }
 
 TEST(Driver, AnImpossibleInitialStateIsRefused) {
-  EXPECT_THROW(run("[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.001\n", sand, "stress = { xx = \"500 kPa\", yy = \"50 kPa\", zz = \"50 kPa\" }\nvoid_ratio = 0.8\n"), InputError);
+  EXPECT_THROW(run("[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.001\n", sand,
+                   "stress = { xx = \"500 kPa\", yy = \"50 kPa\", zz = \"50 kPa\" }\nvoid_ratio = 0.8\n"),
+               InputError);
 }
 
 TEST(Driver, TheFirstRowIsTheStateBeforeTheTest) {

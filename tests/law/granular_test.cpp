@@ -16,7 +16,8 @@ TEST(Granular, IsTheSumOfItsParts) {
   const Motion<double> motion{{-1e-5, 0, 0, 2e-5, 0, 1e-5}, {-1, 0, 0, 2, 0, 1}, 1e-5};
   law.update(s, motion, implicit);
   law.frictional.update(contacts, motion, implicit);
-  const auto collisions = law.collisional.collide(motion.strain_rate, law.frictional.void_ratio(contacts), pressure(contacts.stress));
+  const auto collisions =
+      law.collisional.collide(motion.strain_rate, law.frictional.void_ratio(contacts), pressure(contacts.stress));
   const T total = Granular::total_stress(s);
   for (int k = 0; k < 6; ++k) EXPECT_EQ(total[k], contacts.stress[k] + collisions.stress[k]);
 }

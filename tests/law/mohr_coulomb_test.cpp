@@ -58,7 +58,8 @@ TEST(MohrCoulomb, DilatancyAngleSetsTheRatioOfVolumetricToDeviatoricPlasticStrai
   const double p0 = pressure(s.stress), kappa0 = s.kappa;
   law.update(s, strain_by({0, 0, 0, 1e-3, 0, 0}), implicit);
   // constant volume: what dilates plastically is pressed together elastically
-  EXPECT_NEAR((pressure(s.stress) - p0) / law.bulk_modulus(), friction_slope(law.lode, law.tan_psi, 0.0) * (s.kappa - kappa0), 1e-12);
+  EXPECT_NEAR((pressure(s.stress) - p0) / law.bulk_modulus(),
+              friction_slope(law.lode, law.tan_psi, 0.0) * (s.kappa - kappa0), 1e-12);
 }
 
 TEST(MohrCoulomb, OpensAtTheApexAndClosesBeforeItPresses) {

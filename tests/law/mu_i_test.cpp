@@ -39,7 +39,8 @@ TEST(MuI, BeyondClosePackingTheExchangeStaysFinite) {
 TEST(MuI, BagnoldStressInSimpleShear) {
   // sigma_yy = f g^2 and tau = mu f g^2; nothing along the vorticity axis
   const MuI law = table_3();
-  const double g = 40, f = law.momentum_exchange(MuI::volume_fraction(0.9)), mu = law.friction(g, 500 + 2.0 / 3 * f * g * g);
+  const double g = 40, f = law.momentum_exchange(MuI::volume_fraction(0.9)),
+               mu = law.friction(g, 500 + 2.0 / 3 * f * g * g);
   const auto c = law.collide(T{0, 0, 0, g, 0, 0}, 0.9, 500.0);
   EXPECT_NEAR(c.stress.xx, -f * g * g, 1e-12);
   EXPECT_NEAR(c.stress.yy, -f * g * g, 1e-12);
@@ -53,7 +54,8 @@ TEST(MuI, IsotropicDispersionKeepsPressureAndShearStressOfSimpleShear) {
   MuI paper = table_3(), isotropic = table_3();
   isotropic.dispersive = Dispersive::isotropic;
   const T rate{0, 0, 0, 40, 0, 0};
-  const auto a = paper.collide(rate, 0.9, 1e9), b = isotropic.collide(rate, 0.9, 1e9);  // so much pressure that mu = mu_s in both
+  const auto a = paper.collide(rate, 0.9, 1e9),
+             b = isotropic.collide(rate, 0.9, 1e9);  // so much pressure that mu = mu_s in both
   EXPECT_NEAR(a.stress.yy, b.stress.yy, 1e-12);
   EXPECT_NEAR(a.stress.xy, b.stress.xy, 1e-4 * std::abs(a.stress.xy));
   EXPECT_NEAR(b.stress.zz, b.stress.yy, 1e-12);

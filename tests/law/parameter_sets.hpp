@@ -8,8 +8,10 @@
 
 namespace talus {
 
-inline Simsand simsand(double E0, double nu, double n, double phi_c_degrees, double e_ref, double Lambda, double xi, double A_d, double k_p, double n_p, double n_d) {
-  Simsand s{E0, nu, n, phi_c_degrees * std::numbers::pi / 180, e_ref, Lambda, xi, A_d, k_p, n_p, n_d, LodeRule::sheng, 0, 0};
+inline Simsand simsand(double E0, double nu, double n, double phi_c_degrees, double e_ref, double Lambda, double xi,
+                       double A_d, double k_p, double n_p, double n_d) {
+  Simsand s{E0, nu, n, phi_c_degrees * std::numbers::pi / 180, e_ref, Lambda, xi, A_d, k_p, n_p, n_d, LodeRule::sheng,
+            0,  0};
   s.prepare();
   return s;
 }
@@ -35,8 +37,13 @@ struct NamedSand {
   Simsand law;
 };
 inline std::vector<NamedSand> all_sands() {
-  return {{"analysis", analysis_sand()}, {"Wichtmann", wichtmann_sand()}, {"polystyrene", polystyrene_sand()}, {"glass", glass_sand()},
-          {"DEM", dem_sand()},           {"case 1", case_1_sand()},       {"case 2", case_2_sand()}};
+  return {{"analysis", analysis_sand()},
+          {"Wichtmann", wichtmann_sand()},
+          {"polystyrene", polystyrene_sand()},
+          {"glass", glass_sand()},
+          {"DEM", dem_sand()},
+          {"case 1", case_1_sand()},
+          {"case 2", case_2_sand()}};
 }
 
 /// A state under an isotropic pressure [Pa].
@@ -49,7 +56,9 @@ typename Law::template State<double> isotropic_state(const Law& law, double p, d
 }
 
 /// One step with the given strain increment (tension-positive) and nothing else.
-inline Motion<double> strain_by(const SymTensor<double>& increment) { return {increment, SymTensor<double>::zero(), 1}; }
+inline Motion<double> strain_by(const SymTensor<double>& increment) {
+  return {increment, SymTensor<double>::zero(), 1};
+}
 
 inline constexpr Integration implicit{Integrator::return_mapping, 1e-6};
 inline constexpr Integration explicit_tight{Integrator::modified_euler, 1e-8};

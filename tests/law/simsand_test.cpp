@@ -20,7 +20,7 @@ double f_over_p(const Simsand& law, const State& s) {
   return von_mises(dev) / p - law.hardening(s.kappa) * M_p;
 }
 
-// ---- the equations, by hand ----------------------------------------------------------------------------------
+// ---- the equations, by hand --------------------------------------------------------------------------------------
 
 TEST(Simsand, ElasticModulusByHand) {
   // Analysis sand, e = 0.85, p = p_at: E = 150 p_at (2.12)^2/1.85 = 364.410 p_at, K = E/1.8 = 202.450 p_at
@@ -59,7 +59,8 @@ TEST(Simsand, HardeningIsHalfAtKp) { EXPECT_DOUBLE_EQ(analysis_sand().hardening(
 // ---- paths with a closed form ------------------------------------------------------------------------------------
 
 TEST(Simsand, IsotropicCompressionIsThePowerLaw) {
-  // With e frozen, p^(1-n) would be linear in strain; with e = (1+e0)exp(-v)-1 the integral of a(e) replaces it. Simpson's rule for that integral.
+  // With e frozen, p^(1-n) would be linear in strain; with e = (1+e0)exp(-v)-1 the integral of a(e) replaces it.
+  // Simpson's rule for that integral.
   const Simsand law = analysis_sand();
   for (const Integration& how : {implicit, explicit_tight}) {
     State s = isotropic_state(law, 5e4, 0.85);
@@ -83,7 +84,8 @@ TEST(Simsand, UnloadingFromAStateOfShearIsElastic) {
   const auto r = law.update(s, strain_by({1e-5, -5e-6, -5e-6, 0, 0, 0}), implicit);
   EXPECT_EQ(Outcome(r.outcome), Outcome::elastic);
   EXPECT_EQ(s.kappa, before.kappa);
-  const double G = law.shear_to_bulk() * law.bulk_modulus(law.growth(before.skeleton_void_ratio), pressure(before.stress), before.x);
+  const double G =
+      law.shear_to_bulk() * law.bulk_modulus(law.growth(before.skeleton_void_ratio), pressure(before.stress), before.x);
   EXPECT_NEAR(s.stress.xx - before.stress.xx, 2 * G * 1e-5, 1e-6 * 2 * G * 1e-5);
   EXPECT_NEAR(pressure(s.stress), pressure(before.stress), 1e-9 * 2e5);
 }
@@ -94,7 +96,8 @@ TEST(Simsand, ReversalStaysElasticOverTwiceTheStrengthAndYieldsThen) {
   for (int i = 0; i < 200; ++i) law.update(s, strain_by({0, 0, 0, 1e-4, 0, 0}), implicit);
   const double tau = s.stress.xy, kappa = s.kappa;
   double turned = 0;
-  while (law.update(s, strain_by({0, 0, 0, -1e-6, 0, 0}), implicit).outcome == double(Outcome::elastic)) turned = s.stress.xy;
+  while (law.update(s, strain_by({0, 0, 0, -1e-6, 0, 0}), implicit).outcome == double(Outcome::elastic))
+    turned = s.stress.xy;
   EXPECT_NEAR(turned, -tau, 0.01 * tau);
   EXPECT_GT(s.kappa, kappa);
 }
@@ -103,7 +106,8 @@ TEST(Simsand, CriticalStateIsApproachedFromBothSides) {
   // At constant pressure, dense sand dilates and loose sand contracts until e = e_c and q/p = M_c.
   Simsand law = analysis_sand();
   law.lode = LodeRule::none;
-  const double p0 = 1e5, e_c = law.e_ref * std::exp(-law.Lambda * std::pow(p0 / atmospheric_pressure, law.xi)), sine = std::sin(law.phi_c);
+  const double p0 = 1e5, e_c = law.e_ref * std::exp(-law.Lambda * std::pow(p0 / atmospheric_pressure, law.xi)),
+               sine = std::sin(law.phi_c);
   for (double e0 : {0.80, 0.95}) {
     State s = isotropic_state(law, p0, e0);
     double v = 0;  // volumetric strain increment that keeps p, found by secant each step
@@ -126,7 +130,7 @@ TEST(Simsand, CriticalStateIsApproachedFromBothSides) {
   }
 }
 
-// ---- the initial state ---------------------------------------------------------------------------------------------
+// ---- the initial state -------------------------------------------------------------------------------------------
 
 TEST(Simsand, AStateOfShearGetsTheLeastKappaThatCarriesIt) {
   const Simsand law = case_1_sand();
@@ -164,10 +168,11 @@ TEST(Simsand, ImpossibleInitialStatesAreRefusedWithAReason) {
   EXPECT_NE(reason({{-300, -400, -300, 0, 0, 0}, 0.85, 1e-6}).find("at least"), std::string::npos);
 }
 
-// ---- states where a naive code breaks (MODEL.md's table) ----------------------------------------------------------
+// ---- states where a naive code breaks (MODEL.md's table) ---------------------------------------------------------
 
 class Degenerate : public testing::TestWithParam<Integration> {};
-INSTANTIATE_TEST_SUITE_P(BothIntegrators, Degenerate, testing::Values(implicit, Integration{Integrator::modified_euler, 1e-6}),
+INSTANTIATE_TEST_SUITE_P(BothIntegrators, Degenerate,
+                         testing::Values(implicit, Integration{Integrator::modified_euler, 1e-6}),
                          [](const auto& test) { return std::string(integrator_choices[int(test.param.scheme)].word); });
 
 TEST_P(Degenerate, ContactsPressedFromZeroStressFollowTheClosedForm) {
@@ -222,7 +227,8 @@ TEST_P(Degenerate, ContractionEmptiesTheContactsAtFiniteStrainAndKappaGrowsOn) {
   State s = isotropic_state(law, 400, 0.85);
   int steps = 0;
   Outcome outcome = Outcome::elastic;
-  for (; steps < 1000 && outcome != Outcome::zero_pressure; ++steps) outcome = Outcome(law.update(s, strain_by({0, 0, 0, 1e-5, 0, 0}), GetParam()).outcome);
+  for (; steps < 1000 && outcome != Outcome::zero_pressure; ++steps)
+    outcome = Outcome(law.update(s, strain_by({0, 0, 0, 1e-5, 0, 0}), GetParam()).outcome);
   EXPECT_LT(steps, 500);
   EXPECT_EQ(pressure(s.stress), 0);
   EXPECT_EQ(s.x, 0);
@@ -279,7 +285,7 @@ TEST_P(Degenerate, NothingHappensWhenNothingHappens) {
   }
 }
 
-// ---- properties ------------------------------------------------------------------------------------------------------
+// ---- properties --------------------------------------------------------------------------------------------------
 
 /// A wild but reproducible history: any size of step, reversals, openings.
 struct RandomWalk {
@@ -290,7 +296,8 @@ struct RandomWalk {
     const double size = std::pow(10, uniform(-7, -1));
     for (int i = 0; i < 6; ++i) d[i] = uniform(-1, 1);
     d = deviator(d);
-    return (size / std::max(1e-3, deviatoric_strain(d))) * d + T::isotropic(uniform(-1, 1) * size * (uniform(0, 1) < 0.5 ? 0.05 : 0.5) / 3);
+    return (size / std::max(1e-3, deviatoric_strain(d))) * d +
+           T::isotropic(uniform(-1, 1) * size * (uniform(0, 1) < 0.5 ? 0.05 : 0.5) / 3);
   }
 };
 
@@ -321,7 +328,8 @@ TEST(Simsand, APackGivesTheBitsOfSinglePoints) {
   RandomWalk walk;
   const Simsand law = case_1_sand();
   for (const Integration& how : {implicit, Integration{Integrator::modified_euler, 1e-3}}) {
-    State one[4] = {isotropic_state(law, 400, 0.85), isotropic_state(law, 0, 0.9), isotropic_state(law, 1e5, 0.7), isotropic_state(law, 1, 1.1)};
+    State one[4] = {isotropic_state(law, 400, 0.85), isotropic_state(law, 0, 0.9), isotropic_state(law, 1e5, 0.7),
+                    isotropic_state(law, 1, 1.1)};
     Simsand::State<Pack> four;
     for (int lane = 0; lane < 4; ++lane) set_lane(four, lane, one[lane]);
     for (int i = 0; i < 300; ++i) {
@@ -372,7 +380,7 @@ TEST(Simsand, AxesAreEqual) {
   EXPECT_NEAR(a.kappa, b.kappa, 1e-14);
 }
 
-// ---- order ---------------------------------------------------------------------------------------------------------------
+// ---- order -------------------------------------------------------------------------------------------------------
 
 /// Stress after undrained simple shear to 1 % in n steps.
 T sheared(const Simsand& law, int n, const Integration& how) {
@@ -384,7 +392,8 @@ T sheared(const Simsand& law, int n, const Integration& how) {
 TEST(Simsand, ReturnMappingIsFirstOrder) {
   const Simsand law = analysis_sand();
   const T exact = sheared(law, 1, {Integrator::modified_euler, 1e-10});
-  const double coarse = von_mises(sheared(law, 200, implicit) - exact), fine = von_mises(sheared(law, 400, implicit) - exact);
+  const double coarse = von_mises(sheared(law, 200, implicit) - exact),
+               fine = von_mises(sheared(law, 400, implicit) - exact);
   EXPECT_NEAR(std::log2(coarse / fine), 1, 0.05);
 }
 

@@ -14,12 +14,14 @@ TEST(Friction, SineFromTangent) { EXPECT_NEAR(sine_of_tangent(std::tan(23 * degr
 
 TEST(Friction, AllRulesAgreeInTriaxialCompression) {
   const double sine = std::sin(23 * degree), M_c = 6 * sine / (3 - sine);
-  for (LodeRule rule : {LodeRule::sheng, LodeRule::mohr_coulomb, LodeRule::none}) EXPECT_NEAR(friction_slope(rule, std::tan(23 * degree), -1.0), M_c, 1e-14);
+  for (LodeRule rule : {LodeRule::sheng, LodeRule::mohr_coulomb, LodeRule::none})
+    EXPECT_NEAR(friction_slope(rule, std::tan(23 * degree), -1.0), M_c, 1e-14);
 }
 
 TEST(Friction, ShengAndMohrCoulombAgreeInTriaxialExtension) {
   const double sine = std::sin(31.3 * degree), M_e = 6 * sine / (3 + sine);
-  for (LodeRule rule : {LodeRule::sheng, LodeRule::mohr_coulomb}) EXPECT_NEAR(friction_slope(rule, std::tan(31.3 * degree), 1.0), M_e, 1e-14);
+  for (LodeRule rule : {LodeRule::sheng, LodeRule::mohr_coulomb})
+    EXPECT_NEAR(friction_slope(rule, std::tan(31.3 * degree), 1.0), M_e, 1e-14);
 }
 
 TEST(Friction, SimpleShearStrengthAt23DegreesAsInTheModelNotes) {
@@ -42,21 +44,26 @@ TEST(Friction, DerivativesAreThoseOfTheSlope) {
       }
 }
 
-/// Least value over the Lode angle of r^2 + 2 r'^2 - r r'', where r ~ M is the radius in the deviatoric plane; negative where the surface is not convex.
+/// Least value over the Lode angle of r^2 + 2 r'^2 - r r'', where r ~ M is the radius in the deviatoric plane; negative
+/// where the surface is not convex.
 double least_curvature(double friction_degrees) {
   const double h = 1e-4;
   double least = 1e300;
   for (double angle = -30 * degree + h; angle < 30 * degree - h; angle += 0.5 * degree) {
-    const auto r = [&](double a) { return friction_slope(LodeRule::sheng, std::tan(friction_degrees * degree), std::sin(3 * a)); };
-    const double first = (r(angle + h) - r(angle - h)) / (2 * h), second = (r(angle + h) - 2 * r(angle) + r(angle - h)) / (h * h);
+    const auto r = [&](double a) {
+      return friction_slope(LodeRule::sheng, std::tan(friction_degrees * degree), std::sin(3 * a));
+    };
+    const double first = (r(angle + h) - r(angle - h)) / (2 * h),
+                 second = (r(angle + h) - 2 * r(angle) + r(angle - h)) / (h * h);
     least = std::min(least, r(angle) * r(angle) + 2 * first * first - r(angle) * second);
   }
   return least;
 }
 
 TEST(Friction, ShengsSurfaceIsConvexUpTo46Degrees) {
-  // With k = (1 - c^4)/(1 + c^4) it is convex where 27 k^2/16 + 1/28 <= 1, that is up to 46.5 degrees; in simple shear alone (S = 0) up to 48.6.
-  // The cut at 48 degrees leaves a dent of 3 % in curvature that no path has been seen to feel.
+  // With k = (1 - c^4)/(1 + c^4) it is convex where 27 k^2/16 + 1/28 <= 1, that is up to 46.5 degrees; in simple shear
+  // alone (S = 0) up to 48.6. The cut at 48 degrees leaves a dent of 3 % in curvature that no path has been seen to
+  // feel.
   EXPECT_GT(least_curvature(46.3), 0);
   EXPECT_LT(least_curvature(46.8), 0);
   EXPECT_GT(least_curvature(48), -0.04);

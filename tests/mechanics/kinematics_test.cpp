@@ -36,7 +36,8 @@ TEST(Rotation, PureStretchDoesNotRotate) {
 
 TEST(Rotation, LeavesInvariantsAlone) {
   const SymTensor<double> stress{-300, -120, -100, 40, 20, -30};
-  const SymTensor<double> turned = rotate(incremental_rotation(Tensor<double>{{{0, -20, 3}, {4, 0, -60}, {70, 8, 0}}}, 0.02), stress);
+  const SymTensor<double> turned =
+      rotate(incremental_rotation(Tensor<double>{{{0, -20, 3}, {4, 0, -60}, {70, 8, 0}}}, 0.02), stress);
   EXPECT_NEAR(pressure(turned), pressure(stress), 1e-12);
   EXPECT_NEAR(von_mises(deviator(turned)), von_mises(deviator(stress)), 1e-11);
   EXPECT_NEAR(determinant(turned), determinant(stress), 1e-7);

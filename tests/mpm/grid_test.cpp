@@ -13,7 +13,8 @@
 namespace talus {
 namespace {
 
-/// Points scattered over a few tiles, also on cell faces and astray, with what they scatter added up node by node without tiles.
+/// Points scattered over a few tiles, also on cell faces and astray, with what they scatter added up node by node
+/// without tiles.
 template <int Dim, class Shape>
 struct Scattered {
   using Layout = TileLayout<Dim, Shape>;
@@ -39,7 +40,8 @@ struct Scattered {
     }
     grid.arrange(places, ranges);
     for (std::size_t t = 0; t < places.size(); ++t) {
-      for (int i = 0; i < Layout::n_window; ++i) grid.window(int(t))[i] = NodeValue(1e30);  // rubbish that must be cleared
+      for (int i = 0; i < Layout::n_window; ++i)
+        grid.window(int(t))[i] = NodeValue(1e30);  // rubbish that must be cleared
       grid.clear_window(int(t));
       for (int point = 0; point < 40; ++point) {
         Vec<Dim> x;
@@ -177,7 +179,7 @@ TYPED_TEST(GridSums, ForcesOfAStressedPointSumToZeroAndItsVirialIsTheStress) {
   }
 }
 
-// ---- walls ---------------------------------------------------------------------------------------------------------
+// ---- walls -------------------------------------------------------------------------------------------------------
 
 TEST(Walls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
   using Shape = Quadratic;
@@ -218,7 +220,8 @@ TEST(Walls, BesideAWallTheForbiddenVelocityIsLinearAndZeroOnIt) {
     for (int i = 0; i < 16; ++i) {
       const Index<2> k = TileLayout<2, Shape>::unflatten(i, tile_edge);
       const int y = k[1] + tile_edge * grid.tile(t).place[1];
-      grid.velocity(t)[i] = boundary.allowed(grid.tile(t).place, i) * NodeValue(y < 0 ? 99.0 : 1.0 + y);  // 1 on the wall: not allowed
+      grid.velocity(t)[i] =
+          boundary.allowed(grid.tile(t).place, i) * NodeValue(y < 0 ? 99.0 : 1.0 + y);  // 1 on the wall: not allowed
     }
   boundary.extend_to_images(grid, *loop, [&](int t) { return grid.velocity(t); });
   NodeValue window[TileLayout<2, Shape>::n_window], v, unused;

@@ -22,7 +22,8 @@ Case block(int dim, AnyLaw law, double density) {
   what.dim = dim;
   what.domain = dim == 2 ? Box{{0, 0, 0}, {4, 3, 0}} : Box{{0, 0, 0}, {4, 4, 3}};
   what.cell = 0.1;
-  for (int a = 0; a < dim; ++a) what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
+  for (int a = 0; a < dim; ++a)
+    what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
   what.gravity[dim - 1] = -g;
   what.materials = {{"stuff", std::move(law), density}};
   BodySpec body;
@@ -44,7 +45,8 @@ Case column_at_rest(int dim, WallKind floor) {
   what.materials = {{"sand", law, 0}};
   what.domain = dim == 2 ? Box{{0, 0, 0}, {0.4, 0.6, 0}} : Box{{0, 0, 0}, {0.4, 0.2, 0.6}};
   what.cell = 0.05;
-  for (int a = 0; a < dim; ++a) what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
+  for (int a = 0; a < dim; ++a)
+    what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
   what.walls = {WallKind::slip, WallKind::slip, WallKind::slip, WallKind::slip, WallKind::open, WallKind::open};
   what.walls[2 * dim - 2] = floor;
   what.walls[2 * dim - 1] = WallKind::open;
@@ -68,7 +70,8 @@ double value(const Observation& seen, const char* field, int particle, int compo
 // ---- exact solutions ---------------------------------------------------------------------------------------------
 
 class InBothDimensions : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Dim, InBothDimensions, testing::Values(2, 3), [](const auto& p) { return std::to_string(p.param) + "D"; });
+INSTANTIATE_TEST_SUITE_P(Dim, InBothDimensions, testing::Values(2, 3),
+                         [](const auto& p) { return std::to_string(p.param) + "D"; });
 
 TEST_P(InBothDimensions, AFreelyFallingBlockFallsByTheParabolaWithoutStress) {
   Case what = block(GetParam(), rubber(), 1000);
@@ -166,20 +169,21 @@ TEST(Simulation, TwoElasticDisksBounceAndKeepTheirEnergy) {
     s->step();
     least = std::min(least, s->ledger().kinetic);
   }
-  EXPECT_LT(least, 0.5 * kinetic);                        // they did press each other
-  EXPECT_GT(s->ledger().kinetic, 0.93 * kinetic);         // and parted
-  EXPECT_LT(s->ledger().kinetic, 1.001 * kinetic);        // without a gift
+  EXPECT_LT(least, 0.5 * kinetic);                  // they did press each other
+  EXPECT_GT(s->ledger().kinetic, 0.93 * kinetic);   // and parted
+  EXPECT_LT(s->ledger().kinetic, 1.001 * kinetic);  // without a gift
   EXPECT_NEAR(s->ledger().momentum[0], 0, 1e-12);
   EXPECT_LT(s->observe().find("velocity")->values[0], 0);  // the first disk goes back
 }
 
-// ---- sand at rest --------------------------------------------------------------------------------------------------
+// ---- sand at rest ------------------------------------------------------------------------------------------------
 
 TEST_P(InBothDimensions, ASandColumnBetweenSmoothWallsStaysAtRestUnderItsWeight) {
   const auto loop = make_openmp(2);
   const auto s = make_simulation(column_at_rest(GetParam(), WallKind::slip), *loop);
   run_until(*s, 0.1);
-  EXPECT_LT(s->ledger().max_speed, 2e-3 * std::sqrt(10));  // 2 mm/s in a column of 50 mm, and this one is ten times as high
+  EXPECT_LT(s->ledger().max_speed,
+            2e-3 * std::sqrt(10));  // 2 mm/s in a column of 50 mm, and this one is ten times as high
   const Observation seen = s->observe();
   const int up = GetParam() - 1;
   const double rho = 2500 / 1.85, K0 = 1 - std::sin(case_1_sand().phi_c);
@@ -189,7 +193,8 @@ TEST_P(InBothDimensions, ASandColumnBetweenSmoothWallsStaysAtRestUnderItsWeight)
     const double depth = 0.5 - value(seen, "position", i, up);
     if (depth < 0.1 || depth > 0.45) continue;
     // within the scatter that the cell's mean leaves: pressure varies by rho g h/2 about it
-    EXPECT_NEAR(value(seen, "p_f", i), rho * g * depth * (1 + 2 * K0) / 3, 0.6 * rho * g * 0.05 * (1 + 2 * K0) / 3 + 0.03 * rho * g * depth);
+    EXPECT_NEAR(value(seen, "p_f", i), rho * g * depth * (1 + 2 * K0) / 3,
+                0.6 * rho * g * 0.05 * (1 + 2 * K0) / 3 + 0.03 * rho * g * depth);
     ++n;
   }
   EXPECT_GT(n, 100);
@@ -206,7 +211,9 @@ TEST(Simulation, InsideACellThePressureVariesByLessThanFivePercent) {
   const Observation seen = s->observe();
   std::map<std::pair<int, int>, std::vector<double>> cells;
   for (int i = 0; i < seen.n_particles(); ++i)
-    cells[{int(std::floor(value(seen, "position", i, 0) / 0.05)), int(std::floor(value(seen, "position", i, 1) / 0.05))}].push_back(value(seen, "p_f", i));
+    cells[{int(std::floor(value(seen, "position", i, 0) / 0.05)),
+           int(std::floor(value(seen, "position", i, 1) / 0.05))}]
+        .push_back(value(seen, "p_f", i));
   double noise = 0;
   int n = 0;
   for (const auto& [cell, p] : cells) {
@@ -269,7 +276,7 @@ TEST_P(InBothDimensions, TheResultHasTheSameBitsOnAnyNumberOfThreads) {
   }
 }
 
-// ---- when it breaks ------------------------------------------------------------------------------------------------
+// ---- when it breaks ----------------------------------------------------------------------------------------------
 
 TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {
   const auto loop = make_serial();
@@ -281,7 +288,8 @@ TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {
     FAIL() << "it left unnoticed";
   } catch (const RunError& e) {
     const std::string text = e.what();
-    for (const char* part : {"left the domain", "particle ", "block", "position", "velocity", "t = ", "step "}) EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+    for (const char* part : {"left the domain", "particle ", "block", "position", "velocity", "t = ", "step "})
+      EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
   EXPECT_NO_THROW(s->observe());  // what is left can still be looked at
 }
@@ -304,7 +312,7 @@ TEST(Simulation, ABodyWithoutParticlesIsRefused) {
   EXPECT_THROW(make_simulation(what, *loop), InputError);
 }
 
-// ---- what bodies are made of -----------------------------------------------------------------------------------------
+// ---- what bodies are made of -------------------------------------------------------------------------------------
 
 TEST(Simulation, Case2HasThePapersNumberOfPointsToThePoint) {
   Case what = block(3, case_1(), 0);

@@ -20,7 +20,8 @@ void print_understood(const std::vector<Understood>& understood) {
     path = std::max(path, u.path.size());
     value = std::max(value, std::min<std::size_t>(u.value.size(), 36));
   }
-  for (const Understood& u : understood) fmt::print("  {:<{}}  {:<{}}  {}{}\n", u.path, path, u.value, value, u.by_default ? "[default] " : "", u.meaning);
+  for (const Understood& u : understood)
+    fmt::print("  {:<{}}  {:<{}}  {}{}\n", u.path, path, u.value, value, u.by_default ? "[default] " : "", u.meaning);
 }
 
 }  // namespace
@@ -36,10 +37,11 @@ int check_case(const std::string& case_file, int threads) {
   const double first = simulation->next_dt();
   const double n = double(simulation->n_particles());
   const double cells = double(what.n_cells[0]) * what.n_cells[1] * (what.dim == 3 ? what.n_cells[2] : 1);
-  fmt::print("\n  particles           {}\n  cells               {:.0f}, {} of them near particles\n  first stable step   {:.3g} s\n", simulation->n_particles(), cells,
-             simulation->n_tiles() * (what.dim == 3 ? 64 : 16), first);
-  if (what.numerics.dt && *what.numerics.dt > 0)
-    fmt::print("  fixed step          {:.3g} s\n", *what.numerics.dt);
+  fmt::print(
+      "\n  particles           {}\n  cells               {:.0f}, {} of them near particles\n  first stable step   "
+      "{:.3g} s\n",
+      simulation->n_particles(), cells, simulation->n_tiles() * (what.dim == 3 ? 64 : 16), first);
+  if (what.numerics.dt && *what.numerics.dt > 0) fmt::print("  fixed step          {:.3g} s\n", *what.numerics.dt);
   // How fast this machine is shows only when it does the work: steps of this very case, for a second.
   const auto start = std::chrono::steady_clock::now();
   const auto seconds = [&] { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); };
@@ -50,8 +52,11 @@ int check_case(const std::string& case_file, int threads) {
   }
   const double per_step = seconds() / double(std::max(1L, steps));
   const double expected = what.end / first;
-  fmt::print("  expected steps      {:.3g}\n  memory              {:.3g} MB\n  speed here          {:.3g} M particle-steps/s on {} thread{}\n  expected duration   {}\n", expected,
-             1e-6 * double(simulation->bytes()), 1e-6 * n / per_step, loop->n_workers(), loop->n_workers() == 1 ? "" : "s", duration_in_words(expected * per_step));
+  fmt::print(
+      "  expected steps      {:.3g}\n  memory              {:.3g} MB\n  speed here          {:.3g} M particle-steps/s "
+      "on {} thread{}\n  expected duration   {}\n",
+      expected, 1e-6 * double(simulation->bytes()), 1e-6 * n / per_step, loop->n_workers(),
+      loop->n_workers() == 1 ? "" : "s", duration_in_words(expected * per_step));
   return 0;
 }
 

@@ -10,9 +10,9 @@ inline constexpr int exit_failed = 3;  ///< the run broke
 
 struct RunOptions {
   std::string case_file;
-  std::string out;      ///< folder for results; empty: out/NAME
-  int threads = 0;      ///< 0: as many as there are processors
-  std::string until;    ///< such as "0.1 s"; empty: the case's own end
+  std::string out;    ///< folder for results; empty: out/NAME
+  int threads = 0;    ///< 0: as many as there are processors
+  std::string until;  ///< such as "0.1 s"; empty: the case's own end
   bool overwrite = false;
 };
 int run_case(const RunOptions& options);

@@ -11,7 +11,8 @@ namespace {
 
 void print_choices(const char* title, std::span<const Choice> choices) {
   fmt::print("\n{}\n", title);
-  for (const Choice& c : choices) fmt::print("  {:<16} {}{}\n", c.word, c.meaning, &c == choices.data() ? " [default]" : "");
+  for (const Choice& c : choices)
+    fmt::print("  {:<16} {}{}\n", c.word, c.meaning, &c == choices.data() ? " [default]" : "");
 }
 
 }  // namespace
@@ -22,7 +23,11 @@ int list_everything() {
     if (!is_named<Law>) return;
     fmt::print("\n  {}: {}\n", Law::name, Law::meaning);
     for (const auto& p : Law::parameters())
-      fmt::print("    {:<18} {:<7} {:<42} {}\n", p.key, p.unit == "1" ? "-" : p.unit == "rad" ? "deg" : p.unit, in_words(p.range, p.unit), p.meaning);
+      fmt::print("    {:<18} {:<7} {:<42} {}\n", p.key,
+                 p.unit == "1"     ? "-"
+                 : p.unit == "rad" ? "deg"
+                                   : p.unit,
+                 in_words(p.range, p.unit), p.meaning);
     for (const auto& o : Law::options()) {
       std::string words;
       for (const Choice& c : o.choices) words += fmt::format("{}{}", words.empty() ? "" : " | ", c.word);
@@ -30,7 +35,9 @@ int list_everything() {
     }
     fmt::print("    tells: ");
     std::string told;
-    for (const auto& q : Law::quantities()) told += fmt::format("{}{}{}", told.empty() ? "" : ", ", q.name, q.unit == "1" ? "" : fmt::format(" [{}]", q.unit));
+    for (const auto& q : Law::quantities())
+      told +=
+          fmt::format("{}{}{}", told.empty() ? "" : ", ", q.name, q.unit == "1" ? "" : fmt::format(" [{}]", q.unit));
     fmt::print("{}\n", told);
   });
   print_choices("Shape functions (numerics.shape)", shape_function_choices);
@@ -40,7 +47,8 @@ int list_everything() {
   print_choices("Initial stress (body.NAME.initial_stress)", initial_stress_choices);
   print_choices("Lattice of particles (body.NAME.lattice)", lattice_choices);
   fmt::print("\nQuantities told by every law\n");
-  for (const Quantity& q : common_quantities) fmt::print("  {:<16} {:<7} {}\n", q.name, q.unit == "1" ? "-" : q.unit, q.meaning);
+  for (const Quantity& q : common_quantities)
+    fmt::print("  {:<16} {:<7} {}\n", q.name, q.unit == "1" ? "-" : q.unit, q.meaning);
   return 0;
 }
 

@@ -1,6 +1,7 @@
 /// talus: granular ground that fails, flows and comes to rest.
 
 #include <CLI/CLI.hpp>
+
 #include <cstdio>
 
 #include "talus/app/commands.hpp"
@@ -13,10 +14,12 @@ namespace {
 /// What the user typed instead of a subcommand, and what may have been meant.
 int unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string_view> names;
-  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; })) names.push_back(sub->get_name());
+  for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))
+    names.push_back(sub->get_name());
   const std::string_view alike = talus::most_alike(word, names);
   std::fprintf(stderr, "talus: `%s` is no command; %s\n", word.c_str(),
-               alike.empty() ? ("there is " + talus::any_of(names)).c_str() : ("did you mean `" + std::string(alike) + "`?").c_str());
+               alike.empty() ? ("there is " + talus::any_of(names)).c_str()
+                             : ("did you mean `" + std::string(alike) + "`?").c_str());
   return talus::exit_input;
 }
 
@@ -37,7 +40,8 @@ int main(int argc, char** argv) {
 
   std::string check_file;
   int check_threads = 0;
-  CLI::App* check_command = app.add_subcommand("check", "say what a case was understood to be and how long it would take; run nothing");
+  CLI::App* check_command =
+      app.add_subcommand("check", "say what a case was understood to be and how long it would take; run nothing");
   check_command->add_option("CASE", check_file, "case file (TOML)")->required();
   check_command->add_option("--threads", check_threads, "threads [all processors]")->check(CLI::Range(1, 4096));
 
@@ -46,7 +50,8 @@ int main(int argc, char** argv) {
   element_command->add_option("TEST", element.test_file, "test file (TOML)")->required();
   element_command->add_option("--out", element.out, "CSV file for the result [standard output]");
 
-  CLI::App* list_command = app.add_subcommand("list", "list laws, shapes, transfers and walls with units, ranges and meaning");
+  CLI::App* list_command =
+      app.add_subcommand("list", "list laws, shapes, transfers and walls with units, ranges and meaning");
 
   try {
     app.parse(argc, argv);

@@ -22,12 +22,15 @@ std::string duration_in_words(double seconds) {
 Progress::Progress(double end)
     : end_(end), live_(isatty(STDERR_FILENO)), start_(std::chrono::steady_clock::now()), last_shown_(start_) {}
 
-double Progress::seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+double Progress::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
 
 std::string Progress::line(const Ledger& l, long n_particles) const {
   const double spent = seconds(), left = l.time > 0 ? spent * (end_ - l.time) / l.time : INFINITY;
   return fmt::format("t = {:.4f} of {:.4g} s   step {}   {:.2f} M particle-steps/s   {} left", l.time, end_, l.step,
-                     1e-6 * double(n_particles) * double(l.step) / std::max(spent, 1e-9), duration_in_words(std::max(0.0, left)));
+                     1e-6 * double(n_particles) * double(l.step) / std::max(spent, 1e-9),
+                     duration_in_words(std::max(0.0, left)));
 }
 
 void Progress::show(const Ledger& ledger, long n_particles) {
@@ -41,8 +44,9 @@ void Progress::show(const Ledger& ledger, long n_particles) {
 }
 
 void Progress::finish(const Ledger& ledger, long n_particles) {
-  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.2f} M particle-steps/s   took {}\n", live_ ? to_line_start : "", ledger.time, ledger.step,
-             1e-6 * double(n_particles) * double(ledger.step) / std::max(seconds(), 1e-9), duration_in_words(seconds()));
+  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.2f} M particle-steps/s   took {}\n", live_ ? to_line_start : "",
+             ledger.time, ledger.step, 1e-6 * double(n_particles) * double(ledger.step) / std::max(seconds(), 1e-9),
+             duration_in_words(seconds()));
 }
 
 }  // namespace talus

@@ -30,15 +30,18 @@ std::string contents(const std::string& file) {
 double end_time(const RunOptions& options, const Case& what) {
   if (options.until.empty()) return what.end;
   const auto until = to_si(options.until, "s");
-  if (const auto* why = std::get_if<std::string>(&until)) throw InputError(fmt::format("--until {} {}{}", options.until, why->rfind("not ", 0) == 0 ? "is " : "", *why));
+  if (const auto* why = std::get_if<std::string>(&until))
+    throw InputError(fmt::format("--until {} {}{}", options.until, why->rfind("not ", 0) == 0 ? "is " : "", *why));
   if (!(std::get<double>(until) > 0)) throw InputError("--until must be greater than 0");
   return std::get<double>(until);
 }
 
 fs::path results_folder(const RunOptions& options) {
-  const fs::path folder = options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem() : fs::path(options.out);
+  const fs::path folder =
+      options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem() : fs::path(options.out);
   if (fs::exists(folder / "history.csv") && !options.overwrite)
-    throw InputError(fmt::format("{} holds results already; give another folder with --out, or --overwrite", folder.string()));
+    throw InputError(
+        fmt::format("{} holds results already; give another folder with --out, or --overwrite", folder.string()));
   std::error_code failure;
   fs::create_directories(folder, failure);
   if (failure) throw InputError(fmt::format("the folder {} cannot be made: {}", folder.string(), failure.message()));
@@ -69,8 +72,20 @@ std::vector<Picture> draw_charts(const fs::path& folder, const fs::path& csv, co
         dim == 3 ? std::vector<Curve>{{column("front_radius [m]"), "largest radius"}}
                  : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
        "How far the material reaches"},
-      {{"height", "time [s]", "height [mm]", 1, 1e3, 1, {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}}, "How high it stands"},
-      {{"energy", "time [s]", "energy [J]", 1, 1, 1,
+      {{"height",
+        "time [s]",
+        "height [mm]",
+        1,
+        1e3,
+        1,
+        {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}},
+       "How high it stands"},
+      {{"energy",
+        "time [s]",
+        "energy [J]",
+        1,
+        1,
+        1,
         {{column("kinetic_energy [J]"), "kinetic"},
          {column("elastic_energy [J]"), "elastic"},
          {column("plastic_dissipation [J]"), "friction"},
@@ -79,7 +94,8 @@ std::vector<Picture> draw_charts(const fs::path& folder, const fs::path& csv, co
          {column("numerical_dissipation [J]"), "numerical"}}},
        "Where the energy went"},
       {{"step", "time [s]", "time step [{/Symbol m}s]", 1, 1e6, 1, {{column("dt [s]"), "time step"}}}, "The time step"},
-      {{"separated", "time [s]", "particles", 1, 1, 1, {{column("separated_particles"), "separated particles"}}}, "Particles whose grains have moved apart"},
+      {{"separated", "time [s]", "particles", 1, 1, 1, {{column("separated_particles"), "separated particles"}}},
+       "Particles whose grains have moved apart"},
   };
   std::vector<Picture> drawn;
   for (const auto& [chart, caption] : charts)
@@ -129,7 +145,8 @@ int run_case(const RunOptions& options) {
     if (picture) pictures.add(seen);
   };
 
-  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", what.title, run.n_particles, run.n_threads, run.n_threads == 1 ? "" : "s", folder.string());
+  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", what.title, run.n_particles, run.n_threads,
+             run.n_threads == 1 ? "" : "s", folder.string());
   run.start = outlines.find(simulation->places().places);
   const double cpu_before = cpu_seconds();
   Progress progress(what.end);
@@ -142,7 +159,8 @@ int run_case(const RunOptions& options) {
     }
   } catch (const RunError& e) {
     write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
-    run.failure = fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}.", e.what(), snapshots.last().string(), (folder / "failure.hdf").string());
+    run.failure = fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}.", e.what(),
+                              snapshots.last().string(), (folder / "failure.hdf").string());
   }
   progress.finish(simulation->ledger(), run.n_particles);
   run.wall_seconds = progress.seconds();
@@ -155,7 +173,9 @@ int run_case(const RunOptions& options) {
 
   write_record(folder / "record.json", run);
   const std::vector<Picture> drawn = pictures.draw();
-  const std::vector<Picture> charts = drawn.empty() ? std::vector<Picture>{} : draw_charts(folder / "pictures", folder / "history.csv", history, what.dim);
+  const std::vector<Picture> charts = drawn.empty()
+                                          ? std::vector<Picture>{}
+                                          : draw_charts(folder / "pictures", folder / "history.csv", history, what.dim);
   write_report(folder / "report.html", what, run, drawn, charts);
   for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
   if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");

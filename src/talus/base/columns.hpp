@@ -29,7 +29,8 @@ class Columns {
     size_ = n;
   }
 
-  /// Row i becomes the former row order[i], in one column. `spare` is used as working space and has at least size() entries.
+  /// Row i becomes the former row order[i], in one column. `spare` is used as working space and has at least size()
+  /// entries.
   void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {
     double* values = data_[c].get();
     for (int i = 0; i < size_; ++i) spare[i] = values[order[i]];

@@ -22,7 +22,9 @@ struct Range {
   static constexpr Range positive() { return {.low = 0, .open_low = true}; }
   static constexpr Range not_negative() { return {.low = 0}; }
   static constexpr Range between(double a, double b) { return {.low = a, .high = b}; }
-  static constexpr Range inside(double a, double b) { return {.low = a, .high = b, .open_low = true, .open_high = true}; }
+  static constexpr Range inside(double a, double b) {
+    return {.low = a, .high = b, .open_low = true, .open_high = true};
+  }
 };
 
 /// A number the user sets: `unit` is its SI unit ("1" for a bare number), `range` is in that unit.
@@ -61,16 +63,17 @@ struct OptionOf : Option {
 
 /// The parameters of a part, as parameters of the whole that contains it.
 template <class Whole, class Part>
-std::vector<ParameterOf<Whole>> lifted(std::span<const ParameterOf<Part>> table, Part Whole::* part) {
+std::vector<ParameterOf<Whole>> lifted(std::span<const ParameterOf<Part>> table, Part Whole::*part) {
   std::vector<ParameterOf<Whole>> whole;
   for (const auto& p : table) whole.push_back({p, [&p, part](Whole& w) -> double& { return p.value(w.*part); }});
   return whole;
 }
 template <class Whole, class Part>
-std::vector<OptionOf<Whole>> lifted(std::span<const OptionOf<Part>> table, Part Whole::* part) {
+std::vector<OptionOf<Whole>> lifted(std::span<const OptionOf<Part>> table, Part Whole::*part) {
   std::vector<OptionOf<Whole>> whole;
   for (const auto& o : table)
-    whole.push_back({o, [&o, part](Whole& w, int choice) { o.set(w.*part, choice); }, [&o, part](const Whole& w) { return o.get(w.*part); }});
+    whole.push_back({o, [&o, part](Whole& w, int choice) { o.set(w.*part, choice); },
+                     [&o, part](const Whole& w) { return o.get(w.*part); }});
   return whole;
 }
 

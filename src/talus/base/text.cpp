@@ -35,7 +35,8 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
   double least = std::max(1.0, 0.4 * double(word.size())) + 1e-9;
   for (std::string_view c : candidates) {
     double d = distance(word, c);
-    if (c.size() > 2 && word.size() > 2 && (c.find(word) != c.npos || word.find(c) != word.npos)) d = std::min(d, 0.5 * least);
+    if (c.size() > 2 && word.size() > 2 && (c.find(word) != c.npos || word.find(c) != word.npos))
+      d = std::min(d, 0.5 * least);
     if (d < least) {
       least = d;
       best = c;

@@ -7,7 +7,8 @@
 
 namespace talus {
 
-/// The candidate most like a word, if one is alike enough to be what was meant; otherwise empty. Case counts for little.
+/// The candidate most like a word, if one is alike enough to be what was meant; otherwise empty. Case counts for
+/// little.
 std::string_view most_alike(std::string_view word, const std::vector<std::string_view>& candidates);
 
 /// "`a`, `b` or `c`"

@@ -41,16 +41,23 @@ struct Measure {
   std::string_view unit, name, example;
 };
 constexpr Measure measures[] = {
-    {"m", "a length", "2 mm"},         {"s", "a time", "0.5 s"},          {"Pa", "a pressure", "100 kPa"},
-    {"rad", "an angle", "20.9 deg"},   {"m/s", "a velocity", "0.1 m/s"},  {"m/s2", "an acceleration", "9.81 m/s2"},
-    {"kg/m3", "a density", "2500 kg/m3"}, {"1/s", "a rate", "0.1 1/s"},   {"1/s2", "an acceleration of strain", "50 1/s2"},
+    {"m", "a length", "2 mm"},
+    {"s", "a time", "0.5 s"},
+    {"Pa", "a pressure", "100 kPa"},
+    {"rad", "an angle", "20.9 deg"},
+    {"m/s", "a velocity", "0.1 m/s"},
+    {"m/s2", "an acceleration", "9.81 m/s2"},
+    {"kg/m3", "a density", "2500 kg/m3"},
+    {"1/s", "a rate", "0.1 1/s"},
+    {"1/s2", "an acceleration of strain", "50 1/s2"},
     {"Pa/s", "a rate of pressure", "1 kPa/s"},
 };
 
 /// UDUNITS counts angles as pure numbers and converts one into the other; we do not.
 bool is_angle(const ut_unit* u) {
   char definition[256];
-  return ut_format(u, definition, sizeof definition, UT_ASCII | UT_DEFINITION) > 0 && std::string_view(definition).find("rad") != std::string_view::npos;
+  return ut_format(u, definition, sizeof definition, UT_ASCII | UT_DEFINITION) > 0 &&
+         std::string_view(definition).find("rad") != std::string_view::npos;
 }
 
 std::string_view trimmed(std::string_view s) {
@@ -71,14 +78,16 @@ std::variant<double, std::string> to_si(std::string_view text, std::string_view 
   rest = trimmed(rest.substr(parsed.ptr - rest.data()));
   if (rest.empty()) return "lacks its unit; write " + example_of(unit);
 
-  if (std::isdigit(static_cast<unsigned char>(rest.front())) && rest.substr(0, 2) != "1/") return expected;  // "3 4 mm" is no product
+  if (std::isdigit(static_cast<unsigned char>(rest.front())) && rest.substr(0, 2) != "1/")
+    return expected;  // "3 4 mm" is no product
 
   UnitSystem& u = units();
   const std::lock_guard lock(u.mutex);
   const Unit given(ut_parse(u.system, std::string(rest).c_str(), UT_UTF8));
   if (!given) return fmt::format("has the unknown unit `{}`; write {}", rest, example_of(unit));
   const Unit wanted(ut_parse(u.system, std::string(unit).c_str(), UT_UTF8));
-  if (!ut_are_convertible(given.get(), wanted.get()) || is_angle(given.get()) != is_angle(wanted.get())) return expected;
+  if (!ut_are_convertible(given.get(), wanted.get()) || is_angle(given.get()) != is_angle(wanted.get()))
+    return expected;
   cv_converter* converter = ut_get_converter(given.get(), wanted.get());
   const double si = cv_convert_double(converter, number);
   cv_free(converter);

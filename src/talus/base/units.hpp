@@ -7,8 +7,8 @@
 
 namespace talus {
 
-/// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence why it has none.
-/// Units are those of UDUNITS-2, and deg.
+/// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence why it has
+/// none. Units are those of UDUNITS-2, and deg.
 std::variant<double, std::string> to_si(std::string_view text, std::string_view unit);
 
 /// What a unit measures, for messages: "a length" for "m". The unit itself where there is no word for it.

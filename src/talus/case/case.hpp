@@ -34,7 +34,8 @@ inline constexpr Choice transfer_choices[] = {
 
 enum class InitialStress { k0, zero };
 inline constexpr Choice initial_stress_choices[] = {
-    {"k0", "at rest under its own weight: vertical rho g z, horizontal K0 = 1 - sin(friction angle) times that (Jaky 1944)"},
+    {"k0",
+     "at rest under its own weight: vertical rho g z, horizontal K0 = 1 - sin(friction angle) times that (Jaky 1944)"},
     {"zero", "none"},
 };
 
@@ -56,8 +57,9 @@ inline constexpr Quantity common_quantities[] = {
     {"shear_rate", "1/s", 1, "|g| = sqrt(D:D/2) of the strain rate's deviator D"},
 };
 /// What snapshots hold if the user does not say otherwise.
-inline constexpr std::string_view usual_fields[] = {"velocity", "body",       "frictional_stress", "collisional_stress", "stress",    "p",        "q",
-                                                    "p_f",      "void_ratio", "kappa",             "I",                  "viscosity", "separated"};
+inline constexpr std::string_view usual_fields[] = {
+    "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
+    "kappa",    "I",    "viscosity",         "separated"};
 
 struct Material {
   std::string name;
@@ -88,9 +90,9 @@ struct Numerics {
 };
 
 struct OutputSpec {
-  double snapshots = 0;  ///< interval [s]
-  double history = 0;    ///< interval [s]
-  std::vector<double> pictures;  ///< instants [s]
+  double snapshots = 0;             ///< interval [s]
+  double history = 0;               ///< interval [s]
+  std::vector<double> pictures;     ///< instants [s]
   std::vector<std::string> fields;  ///< quantities in snapshots
 };
 

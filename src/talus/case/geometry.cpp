@@ -27,7 +27,9 @@ bool contains_in_plane(const Polygon& polygon, const Vec<2>& x) {
   bool inside = false;
   for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) {
     if (on_edge(c[j], c[i], x)) return true;
-    if ((c[i][1] > x[1]) != (c[j][1] > x[1]) && x[0] < c[i][0] + (c[j][0] - c[i][0]) * (x[1] - c[i][1]) / (c[j][1] - c[i][1])) inside = !inside;
+    if ((c[i][1] > x[1]) != (c[j][1] > x[1]) &&
+        x[0] < c[i][0] + (c[j][0] - c[i][0]) * (x[1] - c[i][1]) / (c[j][1] - c[i][1]))
+      inside = !inside;
   }
   return inside;
 }
@@ -78,33 +80,33 @@ Box bounding_box(const Region& region, int dim) {
 }
 
 bool contains(const Region& region, const Vec<3>& x, int dim) {
-  return std::visit(Overloaded{[&](const Box& b) {
-                                 for (int a = 0; a < dim; ++a)
-                                   if (x[a] < b.min[a] || x[a] > b.max[a]) return false;
-                                 return true;
-                               },
-                               [&](const Cylinder& c) {
-                                 const double dx = x[0] - c.centre[0], dy = x[1] - c.centre[1];
-                                 if (dx * dx + dy * dy > c.radius * c.radius * (1 + 1e-12)) return false;
-                                 return dim == 2 || (x[2] >= c.centre[2] && x[2] <= c.centre[2] + c.height * (1 + 1e-12));
-                               },
-                               [&](const Polygon& p) {
-                                 return contains_in_plane(p, in_plane(x, dim)) && (dim == 2 || (x[1] >= p.from && x[1] <= p.to));
-                               }},
-                    region);
+  return std::visit(
+      Overloaded{[&](const Box& b) {
+                   for (int a = 0; a < dim; ++a)
+                     if (x[a] < b.min[a] || x[a] > b.max[a]) return false;
+                   return true;
+                 },
+                 [&](const Cylinder& c) {
+                   const double dx = x[0] - c.centre[0], dy = x[1] - c.centre[1];
+                   if (dx * dx + dy * dy > c.radius * c.radius * (1 + 1e-12)) return false;
+                   return dim == 2 || (x[2] >= c.centre[2] && x[2] <= c.centre[2] + c.height * (1 + 1e-12));
+                 },
+                 [&](const Polygon& p) {
+                   return contains_in_plane(p, in_plane(x, dim)) && (dim == 2 || (x[1] >= p.from && x[1] <= p.to));
+                 }},
+      region);
 }
 
 double volume(const Region& region, int dim) {
-  return std::visit(Overloaded{[&](const Box& b) {
-                                 double v = 1;
-                                 for (int a = 0; a < dim; ++a) v *= b.max[a] - b.min[a];
-                                 return v;
-                               },
-                               [&](const Cylinder& c) {
-                                 return std::numbers::pi * c.radius * c.radius * (dim == 3 ? c.height : 1);
-                               },
-                               [&](const Polygon& p) { return area(p) * (dim == 3 ? p.to - p.from : 1); }},
-                    region);
+  return std::visit(
+      Overloaded{[&](const Box& b) {
+                   double v = 1;
+                   for (int a = 0; a < dim; ++a) v *= b.max[a] - b.min[a];
+                   return v;
+                 },
+                 [&](const Cylinder& c) { return std::numbers::pi * c.radius * c.radius * (dim == 3 ? c.height : 1); },
+                 [&](const Polygon& p) { return area(p) * (dim == 3 ? p.to - p.from : 1); }},
+      region);
 }
 
 double depth_below_surface(const Region& region, const Vec<3>& x, int dim) {
@@ -133,21 +135,24 @@ double depth_below_surface(const Region& region, const Vec<3>& x, int dim) {
 std::string fault(const Region& region, int dim) {
   return std::visit(Overloaded{[&](const Box& b) -> std::string {
                                  for (int a = 0; a < dim; ++a)
-                                   if (!(b.min[a] < b.max[a])) return "the box is empty: `min` must lie below `max` along every axis";
+                                   if (!(b.min[a] < b.max[a]))
+                                     return "the box is empty: `min` must lie below `max` along every axis";
                                  return "";
                                },
                                [&](const Cylinder&) -> std::string { return ""; },
                                [&](const Polygon& p) -> std::string {
                                  const auto& c = p.corners;
                                  if (c.size() < 3) return "a polygon has at least three corners";
-                                 if (dim == 3 && !(p.from < p.to)) return "the prism is empty: `from` must lie below `to`";
+                                 if (dim == 3 && !(p.from < p.to))
+                                   return "the prism is empty: `from` must lie below `to`";
                                  const Box b = bounding_box(p, dim);
                                  if (!(area(p) > 1e-9 * (b.max[0] - b.min[0]) * (b.max[dim - 1] - b.min[dim - 1])))
                                    return "the polygon has no area";
                                  for (std::size_t i = 0; i < c.size(); ++i)
                                    for (std::size_t j = i + 1; j < c.size(); ++j)
                                      if (edges_cross(c[i], c[(i + 1) % c.size()], c[j], c[(j + 1) % c.size()]))
-                                       return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " + std::to_string(j + 1);
+                                       return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " +
+                                              std::to_string(j + 1);
                                  return "";
                                }},
                     region);

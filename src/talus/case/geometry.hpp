@@ -21,7 +21,8 @@ struct Cylinder {
   double height;  ///< not used in plane strain
 };
 
-/// A polygon in the vertical plane of the first and last axis, its corners in either sense. In 3D it reaches from `from` to `to` along the second axis.
+/// A polygon in the vertical plane of the first and last axis, its corners in either sense. In 3D it reaches from
+/// `from` to `to` along the second axis.
 struct Polygon {
   std::vector<Vec<2>> corners;
   double from, to;
@@ -38,7 +39,8 @@ bool contains(const Region& region, const Vec<3>& x, int dim);
 /// Volume [m3], or in plane strain area times a metre.
 double volume(const Region& region, int dim);
 
-/// Height of the shape's surface straight above a point inside [m]: the length of the vertical line from the point to where it leaves the shape for good.
+/// Height of the shape's surface straight above a point inside [m]: the length of the vertical line from the point to
+/// where it leaves the shape for good.
 double depth_below_surface(const Region& region, const Vec<3>& x, int dim);
 
 /// Why a shape is none, or nothing.

@@ -1,7 +1,8 @@
 #pragma once
 /// What the user asks of an element test: one law along one loading path, as plain data in SI units.
 ///
-/// Element tests are given and reported compression-positive, as in soil mechanics and in the paper; shear strains are tensor components.
+/// Element tests are given and reported compression-positive, as in soil mechanics and in the paper; shear strains are
+/// tensor components.
 
 #include <array>
 #include <string>
@@ -11,7 +12,8 @@
 
 namespace talus {
 
-/// One of the six conditions that hold during a segment: a combination of strain and stress components follows a course in time.
+/// One of the six conditions that hold during a segment: a combination of strain and stress components follows a course
+/// in time.
 ///   sum of_strain[i] strain_i + sum of_stress[i] stress_i  =  its value at the start  +  rate t + acceleration t^2/2
 /// For a strain component that is its strain history, for a stress component a ramp.
 struct Control {
@@ -19,9 +21,10 @@ struct Control {
   std::array<double, 6> of_stress{};
   double rate = 0;          ///< [1/s] or [Pa/s]
   double acceleration = 0;  ///< [1/s2] or [Pa/s2]
-  bool to_target = false;   ///< goes straight to `target` [Pa], whatever the value at the start; rate and acceleration do not count
+  bool to_target =
+      false;  ///< goes straight to `target` [Pa], whatever the value at the start; rate and acceleration do not count
   double target = 0;
-  std::string name;         ///< for messages: "stress_yy"
+  std::string name;  ///< for messages: "stress_yy"
 };
 
 /// Strain rates at an instant; between instants they change linearly.

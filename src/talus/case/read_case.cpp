@@ -20,12 +20,14 @@ Vec<3> vector_of(const std::vector<double>& values) {
 
 void read_domain(Section& root, Case& what) {
   Section s = root.section("domain", "the box the grid fills");
-  static constexpr Choice kinds[] = {{"plane_strain", "x and y; nothing moves or varies along z"}, {"3d", "x, y and z"}};
+  static constexpr Choice kinds[] = {{"plane_strain", "x and y; nothing moves or varies along z"},
+                                     {"3d", "x, y and z"}};
   what.dim = s.required_choice({"kind", "plane strain or three dimensions", kinds}) == 0 ? 2 : 3;
   const Parameter min{"min", "m", {}, "lower corner of the domain"}, max{"max", "m", {}, "upper corner of the domain"};
   what.domain = {vector_of(s.numbers(min, what.dim)), vector_of(s.numbers(max, what.dim))};
   what.cell = s.number({"cell", "m", Range::positive(), "size of the grid's cells"});
-  what.gravity = vector_of(s.numbers({"gravity", "m/s2", {}, "acceleration of gravity, such as [\"0 m/s2\", \"-9.81 m/s2\"]"}, what.dim));
+  what.gravity = vector_of(
+      s.numbers({"gravity", "m/s2", {}, "acceleration of gravity, such as [\"0 m/s2\", \"-9.81 m/s2\"]"}, what.dim));
   for (int a = 0; a < what.dim; ++a) {
     const double length = what.domain.max[a] - what.domain.min[a];
     if (!(length > 0)) {
@@ -40,8 +42,10 @@ void read_domain(Section& root, Case& what) {
     }
     what.n_cells[a] = int(std::lround(cells));
     if (what.n_cells[a] < 1 || std::abs(cells - what.n_cells[a]) > 1e-6 * std::max(1.0, cells))
-      s.complain("cell", fmt::format("does not divide the domain's length along {} ({}): {:.6g} cells; `max` there could be {}", axis_names[a],
-                                     with_unit(length, "m"), cells, with_unit(what.domain.min[a] + std::ceil(cells - 1e-6) * what.cell, "m")));
+      s.complain("cell",
+                 fmt::format("does not divide the domain's length along {} ({}): {:.6g} cells; `max` there could be {}",
+                             axis_names[a], with_unit(length, "m"), cells,
+                             with_unit(what.domain.min[a] + std::ceil(cells - 1e-6) * what.cell, "m")));
   }
   Section walls = s.has("walls") ? s.section("walls", "what stands on the sides of the domain") : s;
   for (int side = 0; side < 2 * what.dim; ++side) {
@@ -58,10 +62,12 @@ void read_domain(Section& root, Case& what) {
 void read_materials(Section& root, Case& what) {
   for (auto& [name, section] : root.named_sections("material", "what bodies are made of")) {
     Material material{name, read_law(section), 0};
-    std::visit([&](const auto& law) {
-      if constexpr (!requires { law.grain_density(); })
-        material.density = section.number({"density", "kg/m3", Range::positive(), "bulk density at the start"});
-    }, material.law);
+    std::visit(
+        [&](const auto& law) {
+          if constexpr (!requires { law.grain_density(); })
+            material.density = section.number({"density", "kg/m3", Range::positive(), "bulk density at the start"});
+        },
+        material.law);
     section.close(fmt::format("law `{}`", name_of(material.law)));
     what.materials.push_back(std::move(material));
   }
@@ -80,7 +86,8 @@ Region read_region(Section& s, const Case& what) {
   Region region = Box{};
   if (s.has("box")) {
     Section b = s.section("box", "all points between two corners");
-    region = Box{vector_of(b.numbers({"min", "m", {}, "lower corner of the box"}, dim)), vector_of(b.numbers({"max", "m", {}, "upper corner of the box"}, dim))};
+    region = Box{vector_of(b.numbers({"min", "m", {}, "lower corner of the box"}, dim)),
+                 vector_of(b.numbers({"max", "m", {}, "upper corner of the box"}, dim))};
     if (const std::string f = fault(region, dim); !f.empty()) b.complain(f);
     b.close("a box");
   }
@@ -95,7 +102,8 @@ Region read_region(Section& s, const Case& what) {
   if (s.has("polygon")) {
     Section p = s.section("polygon", "a polygon in the vertical plane");
     Polygon polygon{{}, 0, 0};
-    for (const auto& corner : p.points({"corners", "m", {}, "corners of the polygon, in order"}, 2)) polygon.corners.push_back({corner[0], corner[1]});
+    for (const auto& corner : p.points({"corners", "m", {}, "corners of the polygon, in order"}, 2))
+      polygon.corners.push_back({corner[0], corner[1]});
     if (dim == 3) {
       polygon.from = p.number({"from", "m", {}, "where the prism begins along y"});
       polygon.to = p.number({"to", "m", {}, "where the prism ends along y"});
@@ -119,50 +127,69 @@ void read_bodies(Section& root, Case& what) {
     if (body.material < 0 && !material.empty()) {
       std::vector<std::string_view> names;
       for (const Material& m : what.materials) names.push_back(m.name);
-      s.complain("material", names.empty() ? "is not among the materials" : fmt::format("is not among the materials; there is {}", fmt::join(names, ", ")));
+      s.complain("material", names.empty()
+                                 ? "is not among the materials"
+                                 : fmt::format("is not among the materials; there is {}", fmt::join(names, ", ")));
     }
     body.region = read_region(s, what);
     body.spacing = s.number({"spacing", "m", Range::positive(), "distance between particles at the start"});
     body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
-    body.velocity = s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
-    const bool grains = body.material >= 0 && std::visit([](const auto& law) { return requires { law.grain_density(); } ||
-                                                                                    requires { law.e_ref; }; }, what.materials[body.material].law);
+    body.velocity =
+        s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
+    const bool grains = body.material >= 0 && std::visit(
+                                                  [](const auto& law) {
+                                                    return requires { law.grain_density(); }
+                                                    || requires { law.e_ref; };
+                                                  },
+                                                  what.materials[body.material].law);
     if (grains) body.void_ratio = s.number({"void_ratio", "1", sensible_void_ratio, "void ratio at the start"});
-    body.initial_stress = InitialStress(s.required_choice({"initial_stress", "stress at the start", initial_stress_choices}));
+    body.initial_stress =
+        InitialStress(s.required_choice({"initial_stress", "stress at the start", initial_stress_choices}));
 
     const Box box = bounding_box(body.region, what.dim);
     for (int a = 0; a < what.dim; ++a)
       if (box.min[a] < what.domain.min[a] - 1e-9 * what.cell || box.max[a] > what.domain.max[a] + 1e-9 * what.cell) {
-        s.complain(fmt::format("lies outside the domain along {}: {} to {}, the domain reaches from {} to {}", axis_names[a], with_unit(box.min[a], "m"),
-                               with_unit(box.max[a], "m"), with_unit(what.domain.min[a], "m"), with_unit(what.domain.max[a], "m")));
+        s.complain(fmt::format("lies outside the domain along {}: {} to {}, the domain reaches from {} to {}",
+                               axis_names[a], with_unit(box.min[a], "m"), with_unit(box.max[a], "m"),
+                               with_unit(what.domain.min[a], "m"), with_unit(what.domain.max[a], "m")));
         break;
       }
     if (body.spacing > what.cell)
-      s.complain("spacing", fmt::format("is larger than the cells ({}): the grid would see holes; at most half a cell is usual", with_unit(what.cell, "m")));
+      s.complain("spacing",
+                 fmt::format("is larger than the cells ({}): the grid would see holes; at most half a cell is usual",
+                             with_unit(what.cell, "m")));
     if (body.initial_stress == InitialStress::k0) {
       for (int a = 0; a < what.dim - 1; ++a)
         if (what.gravity[a] != 0) {
-          s.complain("initial_stress", fmt::format("k0 needs gravity straight down, along {}", axis_names[what.dim - 1]));
+          s.complain("initial_stress",
+                     fmt::format("k0 needs gravity straight down, along {}", axis_names[what.dim - 1]));
           break;
         }
-      if (what.gravity[what.dim - 1] >= 0) s.complain("initial_stress", fmt::format("k0 needs gravity, downwards along {}", axis_names[what.dim - 1]));
+      if (what.gravity[what.dim - 1] >= 0)
+        s.complain("initial_stress", fmt::format("k0 needs gravity, downwards along {}", axis_names[what.dim - 1]));
       if (body.material >= 0 && std::holds_alternative<MuI>(what.materials[body.material].law))
         s.complain("initial_stress", "must be `zero` for law `mu_i`, whose grains carry nothing at rest");
     }
     if (body.material >= 0 && body.void_ratio)
-      std::visit([&]<class Law>(const Law& law) {
-        if constexpr (requires { law.collisional.Phi_c; }) {
-          if (1 / (1 + *body.void_ratio) >= law.collisional.Phi_c)
-            s.complain("void_ratio", fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)", 1 / law.collisional.Phi_c - 1));
-        }
-      }, what.materials[body.material].law);
+      std::visit(
+          [&]<class Law>(const Law& law) {
+            if constexpr (requires { law.collisional.Phi_c; }) {
+              if (1 / (1 + *body.void_ratio) >= law.collisional.Phi_c)
+                s.complain(
+                    "void_ratio",
+                    fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)",
+                                1 / law.collisional.Phi_c - 1));
+            }
+          },
+          what.materials[body.material].law);
     s.close("a body");
     what.bodies.push_back(std::move(body));
   }
 }
 
 void read_numerics(Section& root, Case& what) {
-  Section s = root.has("numerics") ? root.section("numerics", "how the equations are solved") : Section::empty(root, "numerics");
+  Section s = root.has("numerics") ? root.section("numerics", "how the equations are solved")
+                                   : Section::empty(root, "numerics");
   Numerics& n = what.numerics;
   n.shape_function = ShapeFunction(s.choice({"shape", "shape functions", shape_function_choices}));
   n.transfer = Transfer(s.choice({"transfer", "how velocity goes between particles and grid", transfer_choices}));
@@ -180,17 +207,22 @@ void read_numerics(Section& root, Case& what) {
     else
       n.tau = s.number(tau);
   } else {
-    n.flip_share = s.number({"flip_share", "1", Range::between(0, 1), "share of the particles' own velocity that is kept each step"}, 1.0);
+    n.flip_share = s.number(
+        {"flip_share", "1", Range::between(0, 1), "share of the particles' own velocity that is kept each step"}, 1.0);
   }
   n.average_pressure = s.flag("average_pressure", true, "average the elastic compression over each cell");
   static constexpr Choice integrators[] = {integrator_choices[1], integrator_choices[0], integrator_choices[2]};
-  static constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler, Integrator::forward_euler};
+  static constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler,
+                                           Integrator::forward_euler};
   n.integration.scheme = schemes[s.choice({"integrator", "how the frictional stress is integrated", integrators})];
-  n.integration.tolerance = n.integration.scheme == Integrator::modified_euler
-                                ? s.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of a substep of the integrator"}, 1e-3)
-                                : 1e-3;
+  n.integration.tolerance =
+      n.integration.scheme == Integrator::modified_euler
+          ? s.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of a substep of the integrator"},
+                     1e-3)
+          : 1e-3;
   n.dt = s.optional_number({"dt", "s", Range::positive(), "fixed time step; without it the step adapts"});
-  n.cfl = s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"}, 0.5);
+  n.cfl =
+      s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"}, 0.5);
   s.close("[numerics]");
 }
 
@@ -198,10 +230,13 @@ void read_output(Section& root, Case& what) {
   Section s = root.has("output") ? root.section("output", "what is written") : Section::empty(root, "output");
   OutputSpec& o = what.output;
   const double end = what.end;
-  o.snapshots = s.number({"snapshots", "s", Range::positive(), "time between snapshots"}, end / 50, "a fiftieth of the run");
-  o.history = s.number({"history", "s", Range::positive(), "time between rows of history.csv"}, end / 500, "a five-hundredth of the run");
+  o.snapshots =
+      s.number({"snapshots", "s", Range::positive(), "time between snapshots"}, end / 50, "a fiftieth of the run");
+  o.history = s.number({"history", "s", Range::positive(), "time between rows of history.csv"}, end / 500,
+                       "a five-hundredth of the run");
   if (s.has("pictures")) {
-    o.pictures = s.numbers({"pictures", "s", Range::between(0, std::max(end, 0.0)), "instants of which pictures are made"}, 0);
+    const Range in_the_run = end > 0 ? Range::between(0, end) : Range::not_negative();
+    o.pictures = s.numbers({"pictures", "s", in_the_run, "instants of which pictures are made"}, 0);
   } else {
     for (int i = 0; i <= 5; ++i) o.pictures.push_back(end * i / 5);
     s.note("pictures", "six instants from the start to the end", "instants of which pictures are made");
@@ -209,12 +244,14 @@ void read_output(Section& root, Case& what) {
   std::vector<std::string_view> known;
   for (const Quantity& q : common_quantities) known.push_back(q.name);
   for (const Material& m : what.materials)
-    std::visit([&](const auto& law) {
-      for (const auto& q : law.quantities()) known.push_back(q.name);
-    }, m.law);
+    std::visit(
+        [&](const auto& law) {
+          for (const auto& q : law.quantities()) known.push_back(q.name);
+        },
+        m.law);
   o.fields = s.words("fields", known, {std::begin(usual_fields), std::end(usual_fields)}, "quantities in snapshots");
-  if (o.snapshots > end) s.complain("snapshots", "is longer than the run");
-  if (o.history > end) s.complain("history", "is longer than the run");
+  if (end > 0 && o.snapshots > end) s.complain("snapshots", "is longer than the run");
+  if (end > 0 && o.history > end) s.complain("history", "is longer than the run");
   s.close("[output]");
 }
 
@@ -234,7 +271,10 @@ Case read(Document& document) {
 
   constexpr double most = 2e8;
   const double n = estimated_particles(what);
-  if (n > most) root.complain(fmt::format("the bodies would hold about {:.3g} particles; at most {:.0g} are possible. A larger `spacing` makes fewer", n, most));
+  if (n > most)
+    root.complain(fmt::format(
+        "the bodies would hold about {:.3g} particles; at most {:.0g} are possible. A larger `spacing` makes fewer", n,
+        most));
   return what;
 }
 

@@ -22,11 +22,12 @@ int component(std::string_view name) {
   return -1;
 }
 
-const Parameter component_rate{"strain_rate", "1/s", {}, "strain rate at the start of the segment, compression-positive"};
+const Parameter component_rate{
+    "strain_rate", "1/s", {}, "strain rate at the start of the segment, compression-positive"};
 const Parameter component_acceleration{"strain_acceleration", "1/s2", {}, "growth of the strain rate"};
 const Parameter component_strain{"strain", "1", {}, "change of strain over the segment, compression-positive"};
 
-// ---- conditions on single components --------------------------------------------------------------------------
+// ---- conditions on single components -----------------------------------------------------------------------------
 
 Control on_strain(int i, double rate, double acceleration) {
   Control c;
@@ -49,15 +50,19 @@ Control stress_to(int i, double target) {
   return c;
 }
 
-/// xx = { strain = 0.2 }, { strain_rate = "...", strain_acceleration = "..." }, { stress = "100 kPa" }, { stress = "held" }, { stress_rate = "1 kPa/s" }
+/// xx = { strain = 0.2 }, { strain_rate = "...", strain_acceleration = "..." }, { stress = "100 kPa" }, { stress =
+/// "held" }, { stress_rate = "1 kPa/s" }
 Control read_control(Section& s, int i, double duration) {
   const Parameter stress{"stress", "Pa", {}, "stress to go to, compression-positive, or \"held\""};
   const Parameter stress_rate{"stress_rate", "Pa/s", {}, "growth of the stress, compression-positive"};
   Control c = on_strain(i, 0, 0);
-  const int ways = int(s.has("strain")) + int(s.has("strain_rate") || s.has("strain_acceleration")) + int(s.has("stress")) + int(s.has("stress_rate"));
-  if (ways != 1) s.complain("must say one of `strain`, `strain_rate` (with `strain_acceleration`), `stress` and `stress_rate`");
+  const int ways = int(s.has("strain")) + int(s.has("strain_rate") || s.has("strain_acceleration")) +
+                   int(s.has("stress")) + int(s.has("stress_rate"));
+  if (ways != 1)
+    s.complain("must say one of `strain`, `strain_rate` (with `strain_acceleration`), `stress` and `stress_rate`");
   if (s.has("strain")) c = on_strain(i, s.number(component_strain) / duration, 0);
-  if (s.has("strain_rate") || s.has("strain_acceleration")) c = on_strain(i, s.number(component_rate, 0), s.number(component_acceleration, 0));
+  if (s.has("strain_rate") || s.has("strain_acceleration"))
+    c = on_strain(i, s.number(component_rate, 0), s.number(component_acceleration, 0));
   if (s.has("stress")) {
     if (s.is_text("stress", "held")) {
       s.text("stress", stress.meaning);
@@ -74,7 +79,7 @@ Control read_control(Section& s, int i, double duration) {
   return c;
 }
 
-// ---- named tests ------------------------------------------------------------------------------------------------
+// ---- named tests -------------------------------------------------------------------------------------------------
 
 /// How the leading strain of a named test runs: a rate and its growth.
 struct Course {
@@ -87,7 +92,9 @@ struct NamedTest {
   std::string leading;
   std::string_view meaning;
   std::function<Controls(Course)> controls;
-  std::function<std::optional<Controls>()> to_stress = [] { return std::nullopt; };  ///< if the user gave a stress to go to instead
+  std::function<std::optional<Controls>()> to_stress = [] {
+    return std::nullopt;
+  };  ///< if the user gave a stress to go to instead
 };
 
 Controls no_strain() {
@@ -128,7 +135,8 @@ NamedTest oedometer(Section& s) {
     return c;
   };
   test.to_stress = [&s, axis]() -> std::optional<Controls> {
-    const std::optional<double> target = s.optional_number({"axial_stress", "Pa", Range::not_negative(), "axial stress to go to"});
+    const std::optional<double> target =
+        s.optional_number({"axial_stress", "Pa", Range::not_negative(), "axial stress to go to"});
     if (!target) return std::nullopt;
     Controls c = no_strain();
     c[axis] = stress_to(axis, *target);
@@ -138,7 +146,8 @@ NamedTest oedometer(Section& s) {
 }
 
 NamedTest triaxial(Section& s) {
-  static constexpr Choice kinds[] = {{"undrained", "constant volume"}, {"drained", "lateral stress held"}, {"constant_p", "mean stress held"}};
+  static constexpr Choice kinds[] = {
+      {"undrained", "constant volume"}, {"drained", "lateral stress held"}, {"constant_p", "mean stress held"}};
   const int kind = s.required_choice({"drainage", "what is held besides the axial strain", kinds});
   const int axis = read_axis(s, 0), side = (axis + 1) % 3, other = (axis + 2) % 3;
   return {"axial_strain", "change of axial strain; negative is extension", [=](Course a) {
@@ -160,7 +169,8 @@ NamedTest triaxial(Section& s) {
 }
 
 NamedTest simple_shear(Section& s) {
-  static constexpr Choice kinds[] = {{"undrained", "constant volume"}, {"constant_normal_stress", "normal stress on the shear plane held"}};
+  static constexpr Choice kinds[] = {{"undrained", "constant volume"},
+                                     {"constant_normal_stress", "normal stress on the shear plane held"}};
   const int kind = s.required_choice({"drainage", "what is held besides the shear strain", kinds});
   static constexpr Choice planes[] = {{"xy", ""}, {"yz", ""}, {"zx", ""}};
   const int plane = s.choice({"plane", "component of the shear strain", planes});
@@ -193,7 +203,8 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
   const NamedTest test = named_test(s.choice({"test", "a test by its name", named_tests}), s);
   const std::string rate = test.leading + "_rate", acceleration = test.leading + "_acceleration";
   const bool by_rate = s.has(rate) || s.has(acceleration), turning = s.has("reversals"), change = s.has(test.leading);
-  const Parameter of_change{test.leading, "1", {}, test.meaning}, of_rate{rate, "1/s", {}, "its rate at the start of the segment"},
+  const Parameter of_change{test.leading, "1", {}, test.meaning},
+      of_rate{rate, "1/s", {}, "its rate at the start of the segment"},
       of_acceleration{acceleration, "1/s2", {}, "growth of its rate"};
   const std::optional<Controls> to_stress = test.to_stress();
   if (int(by_rate) + int(turning) + int(change) + int(to_stress.has_value()) != 1)
@@ -208,14 +219,16 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
     segment.controls = test.controls({r, a});
     return {segment};
   }
-  s.may_have(rate, of_rate.meaning);
-  s.may_have(acceleration, of_acceleration.meaning);
   if (!turning) {
     segment.controls = test.controls({(change ? s.number(of_change) : 0.0) / segment.duration, 0});
-    s.may_have("reversals", "turning points of that strain");
     return {segment};
   }
-  const std::vector<double> turns = s.numbers({"reversals", "1", {}, "turning points: values of the leading strain since the start of the segment, the last one its end"}, 0);
+  const std::vector<double> turns =
+      s.numbers({"reversals",
+                 "1",
+                 {},
+                 "turning points: values of the leading strain since the start of the segment, the last one its end"},
+                0);
   double length = 0, last = 0;
   for (double turn : turns) {
     length += std::abs(turn - last);
@@ -238,9 +251,10 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
   return segments;
 }
 
-// ---- a path from a table ------------------------------------------------------------------------------------
+// ---- a path from a table -----------------------------------------------------------------------------------------
 
-/// Reads strain rates from a CSV file with the columns time and rate_xx ... rate_zx (those left out are zero), in s and 1/s.
+/// Reads strain rates from a CSV file with the columns time and rate_xx ... rate_zx (those left out are zero), in s and
+/// 1/s.
 std::vector<RateInstant> read_rates(Section& s, const std::string& path) {
   std::ifstream file(path);
   std::vector<RateInstant> table;
@@ -259,7 +273,9 @@ std::vector<RateInstant> read_rates(Section& s, const std::string& path) {
     if (columns.empty()) {
       while (std::getline(cells, cell, ',')) {
         const bool rate = cell.rfind("rate_", 0) == 0 && component(cell.substr(5)) >= 0;
-        if (cell != "time" && !rate) return refuse("unknown column `" + cell + "`; columns are time, rate_xx, rate_yy, rate_zz, rate_xy, rate_yz, rate_zx");
+        if (cell != "time" && !rate)
+          return refuse("unknown column `" + cell +
+                        "`; columns are time, rate_xx, rate_yy, rate_zz, rate_xy, rate_yz, rate_zx");
         columns.push_back(rate ? component(cell.substr(5)) : -1);
       }
       continue;
@@ -269,7 +285,8 @@ std::vector<RateInstant> read_rates(Section& s, const std::string& path) {
     while (std::getline(cells, cell, ',')) {
       double value = 0;
       std::istringstream number(cell);
-      if (n >= columns.size() || !(number >> value) || !std::isfinite(value)) return refuse("`" + cell + "` is not a number in a column");
+      if (n >= columns.size() || !(number >> value) || !std::isfinite(value))
+        return refuse("`" + cell + "` is not a number in a column");
       (columns[n] < 0 ? r.time : r.rate[columns[n]]) = value;
       ++n;
     }
@@ -294,7 +311,8 @@ std::vector<Segment> read_segment(Section& s, const std::string& folder) {
     if (!segment.history.empty()) segment.duration = segment.history.back().time;
     segments = {segment};
   } else {
-    segment.duration = s.number({"duration", "s", Range::positive(), "how long the segment lasts"}, 1.0, "only collisions feel it");
+    segment.duration =
+        s.number({"duration", "s", Range::positive(), "how long the segment lasts"}, 1.0, "only collisions feel it");
     if (!(segment.duration > 0)) segment.duration = 1;
     if (s.has("test")) {
       segments = read_named_test(s, segment);
@@ -306,8 +324,6 @@ std::vector<Segment> read_segment(Section& s, const std::string& folder) {
           Section c = s.section(component_names[i], "how this component is driven");
           segment.controls[i] = read_control(c, i, segment.duration);
           any = true;
-        } else {
-          s.may_have(component_names[i], "how this component is driven; left out, its strain stays");
         }
       if (!any) s.complain("drives nothing: give `test`, `rates`, or components such as xx = { strain = 0.1 }");
     }
@@ -323,7 +339,8 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
   const bool collides_only = std::holds_alternative<MuI>(law);
   const Parameter pressure{"pressure", "Pa", Range::not_negative(), "isotropic pressure"};
   if (collides_only) {
-    initial.background_pressure = s.number({"background_pressure", "Pa", Range::not_negative(), "constant pressure of contacts that are not modelled"});
+    initial.background_pressure = s.number(
+        {"background_pressure", "Pa", Range::not_negative(), "constant pressure of contacts that are not modelled"});
   } else if (s.has("stress")) {
     if (s.has("pressure")) s.complain("pressure", "and `stress` exclude each other");
     Section stress = s.section("stress", "components of the stress, compression-positive");
@@ -337,9 +354,13 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
   } else {
     initial.stress = opposite_sign(SymTensor<double>::isotropic(s.number(pressure)));
   }
-  const bool has_void_ratio = std::visit([]<class L>(const L&) { return !std::same_as<L, LinearElastic> && !std::same_as<L, MohrCoulomb>; }, law);
+  const bool has_void_ratio = std::visit(
+      []<class L>(const L&) { return !std::same_as<L, LinearElastic> && !std::same_as<L, MohrCoulomb>; }, law);
   if (has_void_ratio) initial.void_ratio = s.number({"void_ratio", "1", Range::inside(0, 2.97), "void ratio"});
-  if (has_void_ratio && !collides_only) initial.kappa = s.optional_number({"kappa", "1", Range::not_negative(), "accumulated plastic deviatoric strain; without it, the least that carries the stress"});
+  if (has_void_ratio && !collides_only)
+    initial.kappa =
+        s.optional_number({"kappa", "1", Range::not_negative(),
+                           "accumulated plastic deviatoric strain; without it, the least that carries the stress"});
   s.close("[initial]");
   return initial;
 }
@@ -352,9 +373,12 @@ ElementTest read(Document& document, const std::string& folder) {
   test.law = read_law(material);
   material.close(fmt::format("law `{}`", name_of(test.law)));
   test.initial = read_initial(root, test.law);
-  Section driver = root.has("driver") ? root.section("driver", "how the test is integrated") : Section::empty(root, "driver");
-  test.integration.scheme = Integrator(driver.choice({"integrator", "how the frictional stress is integrated", integrator_choices}));
-  test.integration.tolerance = driver.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of the stress in a substep"}, 1e-6);
+  Section driver =
+      root.has("driver") ? root.section("driver", "how the test is integrated") : Section::empty(root, "driver");
+  test.integration.scheme =
+      Integrator(driver.choice({"integrator", "how the frictional stress is integrated", integrator_choices}));
+  test.integration.tolerance =
+      driver.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of the stress in a substep"}, 1e-6);
   test.tolerance = test.integration.tolerance;
   driver.close("[driver]");
   for (Section& s : root.list_of_sections("segment", "the loading path, segment after segment"))

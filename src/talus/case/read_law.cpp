@@ -10,7 +10,10 @@ namespace {
 
 /// What the ranges of single parameters cannot say.
 void check(Section& section, const MuI& law) {
-  if (law.mu_d < law.mu_s) section.complain("mu_d", fmt::format("must not be less than mu_s = {}: friction grows with the inertial number (Eq. 16)", law.mu_s));
+  if (law.mu_d < law.mu_s)
+    section.complain(
+        "mu_d",
+        fmt::format("must not be less than mu_s = {}: friction grows with the inertial number (Eq. 16)", law.mu_s));
 }
 template <bool H>
 void check(Section& section, const GranularOf<H>& law) {

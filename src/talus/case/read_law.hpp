@@ -6,7 +6,8 @@
 
 namespace talus {
 
-/// Reads `law` and the parameters and options of that law from a [material...] section. The section stays open for more keys.
+/// Reads `law` and the parameters and options of that law from a [material...] section. The section stays open for more
+/// keys.
 AnyLaw read_law(Section& section);
 
 /// What sections of a law are called in complaints: "law `granular`".

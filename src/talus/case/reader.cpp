@@ -18,18 +18,22 @@ namespace {
 /// A node as the user wrote it, shortened.
 std::string as_written(const toml::node& node) {
   std::ostringstream out;
-  node.visit([&](const auto& n) { out << n; });
-  std::string text = out.str();
-  if (text.size() > 60) text = text.substr(0, 57) + "...";
-  if (node.is_string()) text = "\"" + std::string(*node.value<std::string_view>()) + "\"";
-  return text;
+  if (node.is_string())
+    out << '"' << *node.value<std::string_view>() << '"';
+  else if (node.is_floating_point())
+    out << fmt::format("{}", *node.value<double>());  // as short as it can be
+  else
+    node.visit([&](const auto& n) { out << n; });
+  const std::string text = out.str();
+  return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
 toml::table parse(const std::string& name, std::string_view text) {
   try {
     return toml::parse(text, name);
   } catch (const toml::parse_error& e) {
-    throw InputError({Complaint{name, int(e.source().begin.line), int(e.source().begin.column), std::string(e.description())}});
+    throw InputError(
+        {Complaint{name, int(e.source().begin.line), int(e.source().begin.column), std::string(e.description())}});
   }
 }
 
@@ -67,7 +71,7 @@ std::string in_words(const Range& range, std::string_view unit) {
 }
 
 const toml::node* Section::find(std::string_view key, std::string_view meaning) {
-  known_.emplace(key, meaning);
+  if (!meaning.empty() || !known_.contains(key)) known_.insert_or_assign(std::string(key), std::string(meaning));
   return table_->get(key);
 }
 
@@ -91,7 +95,8 @@ std::optional<double> Section::value_of(const toml::node& node, const Parameter&
     if (node.is_number()) return refuse("lacks its unit; write " + example_of(p.unit));
     if (!node.is_string()) return refuse("is not " + what_is_measured_in(p.unit) + "; write " + example_of(p.unit));
     const auto si = to_si(*node.value<std::string_view>(), p.unit);
-    if (const auto* why = std::get_if<std::string>(&si)) return refuse((why->rfind("not ", 0) == 0 ? "is " : "") + *why);
+    if (const auto* why = std::get_if<std::string>(&si))
+      return refuse((why->rfind("not ", 0) == 0 ? "is " : "") + *why);
     value = std::get<double>(si);
   }
   if (!p.range.contains(value)) return refuse("is out of range; it must be " + in_words(p.range, p.unit));
@@ -102,7 +107,9 @@ void Section::understand(std::string_view key, std::string value, bool by_defaul
   document_->understood().push_back({full(key), std::move(value), by_default, std::string(meaning)});
 }
 
-void Section::note(std::string_view key, std::string value, std::string_view meaning) { understand(key, std::move(value), true, meaning); }
+void Section::note(std::string_view key, std::string value, std::string_view meaning) {
+  understand(key, std::move(value), true, meaning);
+}
 
 double Section::number(const Parameter& p) {
   const toml::node* node = require(p.key, p.meaning);
@@ -114,7 +121,8 @@ double Section::number(const Parameter& p) {
 double Section::number(const Parameter& p, double by_default, std::string_view reason) {
   const std::optional<double> value = optional_number(p);
   if (value || find(p.key, p.meaning)) return value.value_or(by_default);
-  understand(p.key, with_unit(by_default, p.unit), true, reason.empty() ? std::string(p.meaning) : fmt::format("{}; {}", p.meaning, reason));
+  understand(p.key, with_unit(by_default, p.unit), true,
+             reason.empty() ? std::string(p.meaning) : fmt::format("{}; {}", p.meaning, reason));
   return by_default;
 }
 
@@ -180,7 +188,8 @@ int Section::choice(const Option& option) {
       return int(i);
     }
   const std::string_view alike = word ? most_alike(*word, words) : "";
-  complain(option.key, fmt::format("must be {}: {}{}", any_of(words), option.meaning, alike.empty() ? "" : fmt::format("; did you mean `{}`?", alike)));
+  complain(option.key, fmt::format("must be {}: {}{}", any_of(words), option.meaning,
+                                   alike.empty() ? "" : fmt::format("; did you mean `{}`?", alike)));
   return 0;
 }
 
@@ -195,7 +204,8 @@ std::vector<double> Section::numbers(const Parameter& p, int n) {
   if (!node) return harmless;
   const toml::array* list = node->as_array();
   if (!list || (n > 0 && int(list->size()) != n)) {
-    complain(p.key, fmt::format("must be a list{}, such as [{}, ...]: {}", n > 0 ? fmt::format(" of {} numbers", n) : " of numbers",
+    complain(p.key, fmt::format("must be a list{}, such as [{}, ...]: {}",
+                                n > 0 ? fmt::format(" of {} numbers", n) : " of numbers",
                                 p.unit == "1" ? "0.5" : example_of(p.unit), p.meaning));
     return harmless;
   }
@@ -225,7 +235,8 @@ std::vector<std::vector<double>> Section::points(const Parameter& p, int n) {
     points.emplace_back();
     std::vector<std::string> pair;
     for (int a = 0; a < n; ++a) {
-      points.back().push_back(value_of(*coordinates->get(a), p, fmt::format("{}[{}][{}]", full(p.key), i, a)).value_or(0.0));
+      points.back().push_back(
+          value_of(*coordinates->get(a), p, fmt::format("{}[{}][{}]", full(p.key), i, a)).value_or(0.0));
       pair.push_back(with_unit(points.back().back(), p.unit));
     }
     written.push_back(fmt::format("[{}]", fmt::join(pair, ", ")));
@@ -238,8 +249,8 @@ std::vector<std::vector<double>> Section::points(const Parameter& p, int n) {
   return points;
 }
 
-std::vector<std::string> Section::words(std::string_view key, const std::vector<std::string_view>& known, const std::vector<std::string_view>& by_default,
-                                        std::string_view meaning) {
+std::vector<std::string> Section::words(std::string_view key, const std::vector<std::string_view>& known,
+                                        const std::vector<std::string_view>& by_default, std::string_view meaning) {
   const toml::node* node = find(key, meaning);
   std::vector<std::string> words;
   if (!node) {
@@ -258,7 +269,8 @@ std::vector<std::string> Section::words(std::string_view key, const std::vector<
     if (std::find(known.begin(), known.end(), word) == known.end()) {
       const std::string_view alike = most_alike(word, known);
       document_->complain(item.source(), fmt::format("{} = {} is not known here; {}", full(key), as_written(item),
-                                                     alike.empty() ? "there is " + any_of(known) : fmt::format("did you mean `{}`?", alike)));
+                                                     alike.empty() ? "there is " + any_of(known)
+                                                                   : fmt::format("did you mean `{}`?", alike)));
     } else {
       words.emplace_back(word);
     }
@@ -303,9 +315,11 @@ std::vector<std::pair<std::string, Section>> Section::named_sections(std::string
   for (const auto& [where, name] : order) {
     const toml::table* inner = table->get(name->str())->as_table();
     if (inner)
-      sections.emplace_back(std::string(name->str()), Section(*document_, *inner, full(key) + "." + std::string(name->str())));
+      sections.emplace_back(std::string(name->str()),
+                            Section(*document_, *inner, full(key) + "." + std::string(name->str())));
     else
-      document_->complain(name->source(), fmt::format("{}.{} must be a section [{}.NAME]: {}", full(key), name->str(), full(key), meaning));
+      document_->complain(name->source(), fmt::format("{}.{} must be a section [{}.NAME]: {}", full(key), name->str(),
+                                                      full(key), meaning));
   }
   return sections;
 }
@@ -319,7 +333,8 @@ std::vector<Section> Section::list_of_sections(std::string_view key, std::string
     complain(key, fmt::format("must be sections [[{}]]: {}", full(key), meaning));
     return sections;
   }
-  for (std::size_t i = 0; i < list->size(); ++i) sections.push_back(Section(*document_, *list->get(i)->as_table(), fmt::format("{}[{}]", full(key), i)));
+  for (std::size_t i = 0; i < list->size(); ++i)
+    sections.push_back(Section(*document_, *list->get(i)->as_table(), fmt::format("{}[{}]", full(key), i)));
   return sections;
 }
 

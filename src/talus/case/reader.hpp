@@ -1,12 +1,13 @@
 #pragma once
 /// Reads a TOML document section by section, collects every complaint, and keeps a list of all that was understood.
 
+#include <toml++/toml.h>
+
 #include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
-#include <toml++/toml.h>
 #include <vector>
 
 #include "talus/base/error.hpp"
@@ -47,7 +48,8 @@ class Section {
   /// Stands for a section the user left out: every read of it takes its default.
   static Section empty(const Section& parent, std::string_view key);
 
-  bool has(std::string_view key) const { return table_->contains(key); }
+  /// Whether there is a key, which from then on counts as one that may be there.
+  bool has(std::string_view key) { return find(key, "") != nullptr; }
   const std::string& path() const { return path_; }
 
   /// A number that must be there, or one with a default. With a unit other than "1" it is a text like "2 mm".
@@ -69,7 +71,8 @@ class Section {
   std::vector<std::vector<double>> points(const Parameter& p, int n);
 
   /// A list of words, each of them known.
-  std::vector<std::string> words(std::string_view key, const std::vector<std::string_view>& known, const std::vector<std::string_view>& by_default, std::string_view meaning);
+  std::vector<std::string> words(std::string_view key, const std::vector<std::string_view>& known,
+                                 const std::vector<std::string_view>& by_default, std::string_view meaning);
 
   /// A table that must be there; an empty one in its place if it is not.
   Section section(std::string_view key, std::string_view meaning);
@@ -80,9 +83,9 @@ class Section {
   std::vector<Section> list_of_sections(std::string_view key, std::string_view meaning);
 
   /// Whether a key holds just this text.
-  bool is_text(std::string_view key, std::string_view text) const { return table_->get(key) && table_->get(key)->value<std::string_view>() == text; }
-  /// Names a key that is allowed and was left out.
-  void may_have(std::string_view key, std::string_view meaning) { known_.emplace(key, meaning); }
+  bool is_text(std::string_view key, std::string_view text) const {
+    return table_->get(key) && table_->get(key)->value<std::string_view>() == text;
+  }
 
   /// Complains about a key that was read, or about the section.
   void complain(std::string_view key, std::string_view text);
@@ -94,18 +97,21 @@ class Section {
   void close(std::string_view what);
 
  private:
-  Section(Document& document, const toml::table& table, std::string path) : document_(&document), table_(&table), path_(std::move(path)) {}
+  Section(Document& document, const toml::table& table, std::string path)
+      : document_(&document), table_(&table), path_(std::move(path)) {}
 
   const toml::node* find(std::string_view key, std::string_view meaning);
   const toml::node* require(std::string_view key, std::string_view meaning);
   std::optional<double> value_of(const toml::node& node, const Parameter& p, const std::string& name);
-  std::string full(std::string_view key) const { return path_.empty() ? std::string(key) : path_ + "." + std::string(key); }
+  std::string full(std::string_view key) const {
+    return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
+  }
   void understand(std::string_view key, std::string value, bool by_default, std::string_view meaning);
 
   Document* document_;
   const toml::table* table_;
   std::string path_;
-  bool absent_ = false;  ///< stands in for a section that is missing
+  bool absent_ = false;                                    ///< stands in for a section that is missing
   std::map<std::string, std::string, std::less<>> known_;  ///< keys that were asked for, and their meaning
 };
 

@@ -1,8 +1,8 @@
 #include "talus/element/driver.hpp"
 
+#include <Eigen/Dense>
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -24,7 +24,9 @@ Vector6 in_soil_sign(const SymTensor<double>& a) {
   for (int i = 0; i < 6; ++i) v[i] = b[i];
   return v;
 }
-SymTensor<double> from_soil_sign(const Vector6& v) { return opposite_sign(SymTensor<double>{v[0], v[1], v[2], v[3], v[4], v[5]}); }
+SymTensor<double> from_soil_sign(const Vector6& v) {
+  return opposite_sign(SymTensor<double>{v[0], v[1], v[2], v[3], v[4], v[5]});
+}
 
 /// Strain rate and strain since the start of the segment, of a table of rates.
 struct TableMotion {
@@ -44,9 +46,10 @@ TableMotion follow(const std::vector<RateInstant>& table, double t) {
 }
 
 bool strain_only(const Segment& segment) {
-  return !segment.history.empty() || std::all_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
-    return std::all_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s == 0; });
-  });
+  return !segment.history.empty() ||
+         std::all_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
+           return std::all_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s == 0; });
+         });
 }
 
 /// Whether the strain goes along a straight line, so that the law's own error control is all that is needed.
@@ -55,7 +58,8 @@ bool straight(const Segment& segment) {
   // rate and acceleration of all controls are parallel
   for (const Control& a : segment.controls)
     for (const Control& b : segment.controls)
-      if (std::abs(a.rate * b.acceleration - b.rate * a.acceleration) > 1e-14 * std::abs(a.rate * b.acceleration)) return false;
+      if (std::abs(a.rate * b.acceleration - b.rate * a.acceleration) > 1e-14 * std::abs(a.rate * b.acceleration))
+        return false;
   return true;
 }
 
@@ -80,7 +84,8 @@ class Driver {
     InitialState initial = test.initial;
     if (!test.segments.empty()) initial.strain_rate = from_soil_sign(rate_at(test.segments[0], 0, Vector6::Zero()));
     auto state = law.at_rest(initial);
-    if (const auto* reason = std::get_if<std::string>(&state)) throw InputError("the initial state is impossible: " + *reason);
+    if (const auto* reason = std::get_if<std::string>(&state))
+      throw InputError("the initial state is impossible: " + *reason);
     now_ = {std::get<State>(state), Vector6::Zero(), in_soil_sign(initial.strain_rate), double(Outcome::elastic)};
     // The rates of the start act from the start: with no strain yet, only what depends on the rate answers.
     update(now_, Vector6::Zero(), now_.rate, 0);
@@ -121,7 +126,7 @@ class Driver {
     now.outcome = r.outcome;
   }
 
-  // ---- what a segment asks for ------------------------------------------------------------------------------
+  // ---- what a segment asks for -----------------------------------------------------------------------------------
 
   static double value_at(const Control& c, double t, double at_start, double duration) {
     if (c.to_target) return at_start + (c.target - at_start) * (t / duration);
@@ -142,7 +147,7 @@ class Driver {
     return c.of_strain[component] != 0;
   }
 
-  // ---- stepping -----------------------------------------------------------------------------------------------
+  // ---- stepping --------------------------------------------------------------------------------------------------
 
   void run_segment(const Segment& segment, double start) {
     start_strain_ = now_.strain;
@@ -176,14 +181,16 @@ class Driver {
     }
   }
 
-  /// From t to `stop` in steps whose error, the difference between one step and two halves, stays below the tolerance. Returns a step to go on with.
+  /// From t to `stop` in steps whose error, the difference between one step and two halves, stays below the tolerance.
+  /// Returns a step to go on with.
   double advance_with_error_control(const Segment& segment, double start, double t, double stop, double step) {
     const double shortest = 1e-6 * segment.duration;
     while (t < stop) {
       const double end = step >= stop - t ? stop : t + step;
       const double middle = 0.5 * (t + end);
       Now whole = now_, halves = now_;
-      const bool met = advance(whole, segment, t, end) && advance(halves, segment, t, middle) && advance(halves, segment, middle, end);
+      const bool met = advance(whole, segment, t, end) && advance(halves, segment, t, middle) &&
+                       advance(halves, segment, middle, end);
       const double scale = std::max(norm(stress(halves)), 1e-3 * largest_stress_);
       const double error = met ? (scale > 0 ? norm(stress(whole) - stress(halves)) / scale : 0) : 1e30;
       if (error > test_.tolerance && end - t > shortest) {
@@ -238,11 +245,15 @@ class Driver {
       const Vector6 s = stress(next);
       for (int k = 0; k < 6; ++k) {
         r[k] = -demand[k];
-        for (int i = 0; i < 6; ++i) r[k] += segment.controls[k].of_strain[i] * next.strain[i] + segment.controls[k].of_stress[i] * s[i];
+        for (int i = 0; i < 6; ++i)
+          r[k] += segment.controls[k].of_strain[i] * next.strain[i] + segment.controls[k].of_stress[i] * s[i];
       }
       return r;
     };
-    const auto is_stress = [&](int k) { return std::any_of(segment.controls[k].of_stress.begin(), segment.controls[k].of_stress.end(), [](double c) { return c != 0; }); };
+    const auto is_stress = [&](int k) {
+      return std::any_of(segment.controls[k].of_stress.begin(), segment.controls[k].of_stress.end(),
+                         [](double c) { return c != 0; });
+    };
     const auto small = [&](const Vector6& r) {
       for (int k = 0; k < 6; ++k)
         if (!(std::abs(r[k]) <= (is_stress(k) ? tight : 1e-14))) return false;
@@ -252,7 +263,8 @@ class Driver {
     Vector6 increment = dt * now.rate;
     for (int k = 0; k < 6; ++k)
       for (int i = 0; i < 6; ++i)
-        if (is_strain(segment.controls[k], i)) increment[i] = demand[k] / segment.controls[k].of_strain[i] - now.strain[i];
+        if (is_strain(segment.controls[k], i))
+          increment[i] = demand[k] / segment.controls[k].of_strain[i] - now.strain[i];
     Now next = moved(increment);
     Vector6 r = residual(next);
     bool fresh = false;
@@ -310,12 +322,15 @@ class Driver {
   }
 
   [[noreturn]] void fail(const Segment& segment, double start, double t) {
-    throw RunError(fmt::format("the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {:.4g} Pa are missing in the smallest step. "
-                               "The material may have failed or lost its pressure there; control a strain instead, or end the segment earlier.",
-                               segment.controls[worst_].name, start + t, t, segment.duration, std::abs(missed_)));
+    throw RunError(
+        fmt::format("the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {:.4g} Pa are "
+                    "missing in the smallest step. "
+                    "The material may have failed or lost its pressure there; control a strain instead, or end the "
+                    "segment earlier.",
+                    segment.controls[worst_].name, start + t, t, segment.duration, std::abs(missed_)));
   }
 
-  // ---- reporting ------------------------------------------------------------------------------------------------
+  // ---- reporting -------------------------------------------------------------------------------------------------
 
   void name_columns() {
     const auto column = [&](std::string name, std::string unit, std::string meaning) {

@@ -3,15 +3,16 @@
 ///
 ///   sigma = sigma_f + sigma_col                                                                 Eqs. 1, 18
 ///
-/// Deviation: grains that have separated do not collide either. A continuum point that was thrown off would otherwise push on its neighbours across the gap,
-/// and a flow with a free surface explodes.
+/// Deviation: grains that have separated do not collide either. A continuum point that was thrown off would otherwise
+/// push on its neighbours across the gap, and a flow with a free surface explodes.
 
 #include "talus/law/mu_i.hpp"
 #include "talus/law/simsand.hpp"
 
 namespace talus {
 
-/// SIMSAND and mu(I) in parallel. With `WithHistory` the collisional stress is integrated in time (forms `incremental` and `rate`).
+/// SIMSAND and mu(I) in parallel. With `WithHistory` the collisional stress is integrated in time (forms `incremental`
+/// and `rate`).
 template <bool WithHistory>
 struct GranularOf {
   Simsand frictional;
@@ -38,7 +39,8 @@ struct GranularOf {
     const R void_ratio = frictional.specific_volume(state.frictional) - R(1.0);
     MuI::Collision<R> c;
     if constexpr (WithHistory)
-      c = collisional.collide(state.collisional, motion.strain_rate, void_ratio, p_f, how.scheme == Integrator::forward_euler);
+      c = collisional.collide(state.collisional, motion.strain_rate, void_ratio, p_f,
+                              how.scheme == Integrator::forward_euler);
     else
       c = collisional.collide(motion.strain_rate, void_ratio, p_f);
     const mask_t<R> apart = state.frictional.x < R(0.0);
@@ -110,7 +112,8 @@ struct GranularOf {
   }
 
   static constexpr std::string_view name = "granular";
-  static constexpr std::string_view meaning = "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";
+  static constexpr std::string_view meaning =
+      "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";
   static std::span<const ParameterOf<GranularOf>> parameters();
   static std::span<const OptionOf<GranularOf>> options();
   static std::span<const QuantityOf<GranularOf>> quantities();
@@ -147,7 +150,9 @@ std::span<const QuantityOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::qu
     using D = SymTensor<double>;
     std::vector<QuantityOf<GranularOf>> both;
     for (const auto& q : Simsand::quantities())
-      both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) { q.tell(l.frictional, s.frictional, d, v); }});
+      both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) {
+                        q.tell(l.frictional, s.frictional, d, v);
+                      }});
     for (const auto& q : MuI::quantities()) {
       if (q.name == "void_ratio") continue;  // told by the contacts
       both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) {

@@ -44,11 +44,11 @@ inline constexpr const char* outcome_names[] = {"elastic", "plastic", "zero_pres
 /// What the solver needs to know of an update besides the new state.
 template <class R = double>
 struct Response {
-  R outcome;             ///< an `Outcome`, as a number so that packs can hold it
-  R stiffness;           ///< K + 4/3 G [Pa], for the speed of compression waves
-  R viscosity;           ///< [Pa s], for the viscous limit of the time step
-  R plastic_work;        ///< work turned into heat by friction in this step [J/m3]
-  R collisional_work;    ///< work done against the collisional stress in this step [J/m3]
+  R outcome;           ///< an `Outcome`, as a number so that packs can hold it
+  R stiffness;         ///< K + 4/3 G [Pa], for the speed of compression waves
+  R viscosity;         ///< [Pa s], for the viscous limit of the time step
+  R plastic_work;      ///< work turned into heat by friction in this step [J/m3]
+  R collisional_work;  ///< work done against the collisional stress in this step [J/m3]
 };
 
 /// How a law integrates its stress over a step.
@@ -68,8 +68,9 @@ struct Integration {
 struct InitialState {
   SymTensor<double> stress = SymTensor<double>::zero();  ///< of the lasting contacts [Pa], tension-positive
   double void_ratio = 0;
-  std::optional<double> kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
-  double background_pressure = 0;  ///< [Pa], of a law without lasting contacts
+  std::optional<double>
+      kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
+  double background_pressure = 0;                             ///< [Pa], of a law without lasting contacts
   SymTensor<double> strain_rate = SymTensor<double>::zero();  ///< [1/s], for laws that remember it
 };
 
@@ -111,7 +112,8 @@ Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& motion, F up
   Response<Pack> response;
   for (int lane = 0; lane < pack_width; ++lane) {
     State<double> one = lane_of<State<double>>(state, lane);
-    const Motion<double> m{lane_of<SymTensor<double>>(motion.strain, lane), lane_of<SymTensor<double>>(motion.strain_rate, lane), motion.dt};
+    const Motion<double> m{lane_of<SymTensor<double>>(motion.strain, lane),
+                           lane_of<SymTensor<double>>(motion.strain_rate, lane), motion.dt};
     set_lane(response, lane, update_one(one, m));
     set_lane(state, lane, one);
   }

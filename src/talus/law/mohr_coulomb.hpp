@@ -2,8 +2,9 @@
 /// Linear elasticity with Mohr-Coulomb strength: a baseline.
 ///
 ///   f = q - M(phi, S) (p + c cot phi) <= 0        g = q - M(psi, S) p
-/// with M the slope at the Lode angle of the stress (`lode = "mohr_coulomb"` gives Mohr and Coulomb's hexagon). The deviatoric flow is radial, (3/2) s/q, so that the return
-/// is closed-form and keeps the Lode angle. Beyond the apex the stress stays there and the opening is remembered: compression closes it before it presses.
+/// with M the slope at the Lode angle of the stress (`lode = "mohr_coulomb"` gives Mohr and Coulomb's hexagon). The
+/// deviatoric flow is radial, (3/2) s/q, so that the return is closed-form and keeps the Lode angle. Beyond the apex
+/// the stress stays there and the opening is remembered: compression closes it before it presses.
 
 #include <numbers>
 
@@ -109,7 +110,8 @@ struct MohrCoulomb {
     const double p = pressure(initial.stress), q = von_mises(s);
     const double strength = friction_slope(lode, tan_phi, lode_sine(s)) * (p - apex());
     if (q > strength * (1 + 1e-9))
-      return "the shear stress q = " + std::to_string(q) + " Pa exceeds the strength of " + std::to_string(strength) + " Pa";
+      return "the shear stress q = " + std::to_string(q) + " Pa exceeds the strength of " + std::to_string(strength) +
+             " Pa";
     return State<double>{initial.stress, p / bulk_modulus(), initial.kappa.value_or(0.0), 1};
   }
 
@@ -126,7 +128,8 @@ inline std::span<const ParameterOf<MohrCoulomb>> MohrCoulomb::parameters() {
       {{"E", "Pa", Range::positive(), "Young's modulus"}, [](MohrCoulomb& l) -> double& { return l.E; }},
       {{"nu", "1", {-1, 0.5, true, true}, "Poisson's ratio"}, [](MohrCoulomb& l) -> double& { return l.nu; }},
       {{"c", "Pa", Range::not_negative(), "cohesion"}, [](MohrCoulomb& l) -> double& { return l.c; }},
-      {{"phi", "rad", {0, 60 * degree, true, false}, "friction angle"}, [](MohrCoulomb& l) -> double& { return l.phi; }},
+      {{"phi", "rad", {0, 60 * degree, true, false}, "friction angle"},
+       [](MohrCoulomb& l) -> double& { return l.phi; }},
       {{"psi", "rad", {0, 60 * degree}, "dilatancy angle"}, [](MohrCoulomb& l) -> double& { return l.psi; }},
   };
   return table;
@@ -139,7 +142,9 @@ inline std::span<const OptionOf<MohrCoulomb>> MohrCoulomb::options() {
   static const OptionOf<MohrCoulomb> table[] = {
       {{"lode", "how friction depends on the Lode angle", choices},
        [](MohrCoulomb& l, int choice) { l.lode = rules[choice]; },
-       [](const MohrCoulomb& l) { return l.lode == rules[0] ? 0 : l.lode == rules[1] ? 1 : 2; }},
+       [](const MohrCoulomb& l) { return l.lode == rules[0]   ? 0
+                                         : l.lode == rules[1] ? 1
+                                                              : 2; }},
   };
   return table;
 }

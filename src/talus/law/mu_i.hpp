@@ -1,19 +1,22 @@
 #pragma once
 /// The collisional stress: a mu(I) rheology whose stress follows the strain acceleration.
 ///
-/// Wang and Wu (2024) with Jop, Forterre and Pouliquen (2006), Eqs. 12-17 of Feng, Yin and Liang. D is the deviator of the strain rate, |g| = sqrt(D:D/2).
+/// Wang and Wu (2024) with Jop, Forterre and Pouliquen (2006), Eqs. 12-17 of Feng, Yin and Liang. D is the deviator of
+/// the strain rate, |g| = sqrt(D:D/2).
 ///
 ///   f_Phi = rho_s (2 d dPhi/(Phi_c - Phi))^2                                                   Eq. 15
 ///   mu(I) = mu_s + (mu_d - mu_s) I/(I_0 + I),   I = 2 d |g|/sqrt(p/rho_s)                      Eq. 16
 ///   d sigma_col/dt = f_Phi (2 mu |g| dD/dt - D dD/dt - dD/dt D)      tension-positive          Eq. 12
 ///
 /// Three readings of Eq. 12, chosen by `collisional_form`:
-/// - total: sigma_col = f_Phi (mu |g| D - D.D), the integral of Eq. 12 from rest at constant void ratio and direction. No history, zero at rest. The default.
+/// - total: sigma_col = f_Phi (mu |g| D - D.D), the integral of Eq. 12 from rest at constant void ratio and direction.
+///   No history, zero at rest. The default.
 /// - incremental: the increments of mu |g| D - D.D, weighted with the current f_Phi.
 /// - rate: Eq. 12 itself. It leaves stress behind at rest once the void ratio or the direction has changed.
 ///
-/// Deviations, and why: p in I is the mean pressure of the total stress, p_f + tr(D.D) f_Phi/3, and mu is written without dividing by it; strain acceleration is the change of
-/// the strain rate between steps, not sym grad a (which would make steady extension grow stress); Phi_c - Phi is kept above 0.02.
+/// Deviations, and why: p in I is the mean pressure of the total stress, p_f + tr(D.D) f_Phi/3, and mu is written
+/// without dividing by it; strain acceleration is the change of the strain rate between steps, not sym grad a (which
+/// would make steady extension grow stress); Phi_c - Phi is kept above 0.02.
 
 #include "talus/law/law.hpp"
 
@@ -40,7 +43,7 @@ struct MuI {
 
   TALUS_HD void prepare() {}
 
-  // ---- the equations, one a function -------------------------------------------------------------------------
+  // ---- the equations, one a function -----------------------------------------------------------------------------
 
   /// Phi = 1/(1 + e)
   template <Number R>
@@ -55,7 +58,8 @@ struct MuI {
     return R(rho_s) * loosening * loosening;
   }
 
-  /// Mean pressure of the collisional stress in the total form [Pa]: f_Phi tr(D.D)/3 = (2/3) f_Phi |g|^2, or f_Phi |g|^2 if isotropic.
+  /// Mean pressure of the collisional stress in the total form [Pa]: f_Phi tr(D.D)/3 = (2/3) f_Phi |g|^2, or f_Phi
+  /// |g|^2 if isotropic.
   template <Number R>
   TALUS_HD R dispersive_pressure(R f, R g) const {
     return R(dispersive == Dispersive::isotropic ? 1.0 : 2.0 / 3.0) * f * g * g;
@@ -70,7 +74,8 @@ struct MuI {
 
   /// What can be seen of a flow at one point.
   struct Observation {
-    double I, mu, viscosity;  ///< I is infinite where nothing confines moving grains; viscosity is 2 f_Phi mu |g| [Pa s]
+    double I, mu,
+        viscosity;  ///< I is infinite where nothing confines moving grains; viscosity is 2 f_Phi mu |g| [Pa s]
   };
   Observation observe(const SymTensor<double>& strain_rate, double void_ratio, double p_f) const {
     const double g = shear_rate(deviator(strain_rate)), f = momentum_exchange(volume_fraction(void_ratio));
@@ -104,14 +109,16 @@ struct MuI {
   /// What the forms with history remember.
   template <class R>
   struct History {
-    SymTensor<R> stress;   ///< sigma_col [Pa]
-    SymTensor<R> D;        ///< deviator of the last strain rate [1/s]
-    R f, p_f;              ///< the last f_Phi [kg/m] and contact pressure [Pa]
+    SymTensor<R> stress;  ///< sigma_col [Pa]
+    SymTensor<R> D;       ///< deviator of the last strain rate [1/s]
+    R f, p_f;             ///< the last f_Phi [kg/m] and contact pressure [Pa]
   };
 
-  /// The forms with history. Eq. 12 is integrated at the middle of the step, or from its start as the paper does (`from_start`).
+  /// The forms with history. Eq. 12 is integrated at the middle of the step, or from its start as the paper does
+  /// (`from_start`).
   template <Number R>
-  TALUS_HD Collision<R> collide(History<R>& past, const SymTensor<R>& strain_rate, R void_ratio, R p_f, bool from_start) const {
+  TALUS_HD Collision<R> collide(History<R>& past, const SymTensor<R>& strain_rate, R void_ratio, R p_f,
+                                bool from_start) const {
     const SymTensor<R> D = deviator(strain_rate);
     const R f = momentum_exchange(volume_fraction(void_ratio));
     const auto mu_at = [&](R g, R f_Phi, R p) { return friction(g, p + dispersive_pressure(f_Phi, g)); };
@@ -125,9 +132,10 @@ struct MuI {
       const SymTensor<R> change = D - past.D;
       // D dD + dD D = (D + dD/2)^2 - (D - dD/2)^2
       const SymTensor<R> ahead = D_mid + R(0.5) * change, behind = D_mid - R(0.5) * change;
-      const SymTensor<R> pressing = dispersive == Dispersive::isotropic
-                                        ? SymTensor<R>::isotropic(R(0.5) * (double_dot(ahead, ahead) - double_dot(behind, behind)))
-                                        : square(ahead) - square(behind);
+      const SymTensor<R> pressing =
+          dispersive == Dispersive::isotropic
+              ? SymTensor<R>::isotropic(R(0.5) * (double_dot(ahead, ahead) - double_dot(behind, behind)))
+              : square(ahead) - square(behind);
       increment = f_mid * ((R(2.0) * mu_at(g_mid, f_mid, p_mid) * g_mid) * change - pressing);
     } else {
       const R g_old = shear_rate(past.D);
@@ -138,7 +146,7 @@ struct MuI {
     return {past.stress, R(2.0) * (R(1.0) + mu) * g * f};
   }
 
-  // ---- the law on its own: grains that only collide, under a constant background pressure -------------------------
+  // ---- the law on its own: grains that only collide, under a constant background pressure ------------------------
 
   template <class R>
   struct State {
@@ -192,11 +200,14 @@ struct MuI {
     if (von_mises(deviator(initial.stress)) > 0 || pressure(initial.stress) != 0)
       return "`mu_i` has no lasting contacts that could carry a stress at rest; give a background pressure instead";
     const auto zero = SymTensor<double>::zero();
-    return State<double>{{zero, deviator(initial.strain_rate), momentum_exchange(volume_fraction(initial.void_ratio)), initial.background_pressure}, initial.void_ratio};
+    return State<double>{{zero, deviator(initial.strain_rate), momentum_exchange(volume_fraction(initial.void_ratio)),
+                          initial.background_pressure},
+                         initial.void_ratio};
   }
 
   static constexpr std::string_view name = "mu_i";
-  static constexpr std::string_view meaning = "collisional stress alone, under a constant background pressure (Eqs. 12-17)";
+  static constexpr std::string_view meaning =
+      "collisional stress alone, under a constant background pressure (Eqs. 12-17)";
   static std::span<const ParameterOf<MuI>> parameters();
   static std::span<const OptionOf<MuI>> options();
   static std::span<const QuantityOf<MuI>> quantities();
@@ -204,12 +215,17 @@ struct MuI {
 
 inline std::span<const ParameterOf<MuI>> MuI::parameters() {
   static const ParameterOf<MuI> table[] = {
-      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way (Eq. 16)"}, [](MuI& l) -> double& { return l.I_0; }},
-      {{"rho_s", "kg/m3", Range::positive(), "density of the grains (Eq. 15)"}, [](MuI& l) -> double& { return l.rho_s; }},
+      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way (Eq. 16)"},
+       [](MuI& l) -> double& { return l.I_0; }},
+      {{"rho_s", "kg/m3", Range::positive(), "density of the grains (Eq. 15)"},
+       [](MuI& l) -> double& { return l.rho_s; }},
       {{"d", "m", Range::positive(), "grain diameter (Eqs. 15, 16)"}, [](MuI& l) -> double& { return l.d; }},
-      {{"mu_s", "1", Range::not_negative(), "static friction coefficient, tan phi_c (Eq. 16)"}, [](MuI& l) -> double& { return l.mu_s; }},
-      {{"mu_d", "1", Range::not_negative(), "dynamic friction coefficient (Eq. 16)"}, [](MuI& l) -> double& { return l.mu_d; }},
-      {{"Phi_c", "1", Range::inside(0, 1), "random close packing fraction (Eq. 15)"}, [](MuI& l) -> double& { return l.Phi_c; }},
+      {{"mu_s", "1", Range::not_negative(), "static friction coefficient, tan phi_c (Eq. 16)"},
+       [](MuI& l) -> double& { return l.mu_s; }},
+      {{"mu_d", "1", Range::not_negative(), "dynamic friction coefficient (Eq. 16)"},
+       [](MuI& l) -> double& { return l.mu_d; }},
+      {{"Phi_c", "1", Range::inside(0, 1), "random close packing fraction (Eq. 15)"},
+       [](MuI& l) -> double& { return l.Phi_c; }},
       {{"dPhi", "1", Range::between(0, 1), "dynamic loosening (Eq. 15)"}, [](MuI& l) -> double& { return l.dPhi; }},
   };
   return table;
@@ -232,7 +248,9 @@ inline std::span<const QuantityOf<MuI>> MuI::quantities() {
   using D = SymTensor<double>;
   static const QuantityOf<MuI> table[] = {
       {{"collisional_stress", "Pa", 6, "stress of collisions"},
-       [](const MuI&, const S& s, const D&, double* v) { for (int i = 0; i < 6; ++i) v[i] = s.history.stress[i]; }},
+       [](const MuI&, const S& s, const D&, double* v) {
+         for (int i = 0; i < 6; ++i) v[i] = s.history.stress[i];
+       }},
       {{"p_col", "Pa", 1, "mean collisional pressure"},
        [](const MuI&, const S& s, const D&, double* v) { *v = pressure(s.history.stress); }},
       {{"I", "1", 1, "inertial number (Eq. 16)"},
@@ -242,7 +260,9 @@ inline std::span<const QuantityOf<MuI>> MuI::quantities() {
       {{"f_Phi", "kg/m", 1, "momentum exchange (Eq. 15)"},
        [](const MuI& l, const S& s, const D&, double* v) { *v = l.momentum_exchange(volume_fraction(s.void_ratio)); }},
       {{"viscosity", "Pa s", 1, "equivalent shear viscosity 2 f_Phi mu |g| (Fig. 23)"},
-       [](const MuI& l, const S& s, const D& d, double* v) { *v = l.observe(d, s.void_ratio, s.history.p_f).viscosity; }},
+       [](const MuI& l, const S& s, const D& d, double* v) {
+         *v = l.observe(d, s.void_ratio, s.history.p_f).viscosity;
+       }},
       {{"void_ratio", "1", 1, "volume of voids over volume of grains"},
        [](const MuI&, const S& s, const D&, double* v) { *v = s.void_ratio; }},
   };

@@ -1,22 +1,25 @@
 #pragma once
 /// The frictional stress: a critical-state sand model for lasting contacts.
 ///
-/// SIMSAND (Yin et al. 2013), Eqs. 2-11 of Feng, Yin and Liang. Inside this file the letters are the paper's; pressure p and volumetric strain are
-/// compression-positive, the deviator s is that of the tension-positive stress.
+/// SIMSAND (Yin et al. 2013), Eqs. 2-11 of Feng, Yin and Liang. Inside this file the letters are the paper's; pressure
+/// p and volumetric strain are compression-positive, the deviator s is that of the tension-positive stress.
 ///
-///   E   = E0 p_at (2.97 - e)^2/(1 + e) (p/p_at)^n            K = E/(3(1 - 2nu))      G = E/(2(1 + nu))             Eq. 4
-///   f   = q - p h M_p <= 0                                   h = kappa/(k_p + kappa)                               Eqs. 5, 6
-///   d eps_p = d kappa [A_d (M_pt - q/p) I/3 + (3/2) s/q]                                                           Eq. 7
-///   e_c = e_ref exp(-Lambda (p/p_at)^xi)                                                                           Eq. 8
-///   tan phi_p = (e_c/e)^n_p tan phi_c                        tan phi_pt = (e/e_c)^n_d tan phi_c                    Eqs. 9, 10
+///   E = E0 p_at (2.97 - e)^2/(1 + e) (p/p_at)^n,   K = E/(3(1 - 2nu)),   G = E/(2(1 + nu))          Eq. 4
+///   f = q - p h M_p <= 0,   h = kappa/(k_p + kappa)                                                 Eqs. 5, 6
+///   d eps_p = d kappa [A_d (M_pt - q/p) I/3 + (3/2) s/q]                                            Eq. 7
+///   e_c = e_ref exp(-Lambda (p/p_at)^xi)                                                            Eq. 8
+///   tan phi_p = (e_c/e)^n_p tan phi_c,   tan phi_pt = (e/e_c)^n_d tan phi_c                         Eqs. 9, 10
 ///
 /// Where we deviate from the paper, and why:
-/// - The pressure is carried as x = (p/p_at)^(1-n), which is linear in the elastic volumetric strain: dx = a d eps_v, a = (1-n) K/p_at at p = p_at. It starts
-///   from zero stress without a floor; below zero it remembers the gap that has opened between the grains, eps_gap = x/a(e_ref).
+/// - The pressure is carried as x = (p/p_at)^(1-n), which is linear in the elastic volumetric strain: dx = a d eps_v, a
+///   = (1-n) K/p_at at p = p_at. It starts from zero stress without a floor; below zero it remembers the gap that has
+///   opened between the grains, eps_gap = x/a(e_ref).
 /// - The yield condition is multiplied by p: the same zero set, nothing divided by zero.
-/// - Consistency is full: M_p moves with p, e and the Lode angle. Leaving it frozen costs 17 to 48 % in undrained paths.
+/// - Consistency is full: M_p moves with p, e and the Lode angle. Leaving it frozen costs 17 to 48 % in undrained
+///   paths.
 /// - Angles are cut at 48 degrees, 2.97 - e at 0.001; see `friction.hpp`.
-/// - With zero pressure all deviatoric strain is plastic, so kappa keeps growing and contacts can come back by dilatancy.
+/// - With zero pressure all deviatoric strain is plastic, so kappa keeps growing and contacts can come back by
+///   dilatancy.
 
 #include <cmath>
 #include <numbers>
@@ -31,10 +34,10 @@ inline constexpr double atmospheric_pressure = 101300;  ///< p_at [Pa], Eq. 4
 
 /// Parameters of SIMSAND (Table 2); call `prepare` after setting them.
 struct Simsand {
-  double E0, nu, n;            ///< elasticity, Eq. 4
-  double phi_c;                ///< critical-state friction angle [rad]
-  double e_ref, Lambda, xi;    ///< critical-state line, Eq. 8
-  double A_d, k_p, n_p, n_d;   ///< dilatancy, hardening, interlocking, Eqs. 6, 7, 9, 10
+  double E0, nu, n;           ///< elasticity, Eq. 4
+  double phi_c;               ///< critical-state friction angle [rad]
+  double e_ref, Lambda, xi;   ///< critical-state line, Eq. 8
+  double A_d, k_p, n_p, n_d;  ///< dilatancy, hardening, interlocking, Eqs. 6, 7, 9, 10
   LodeRule lode = LodeRule::sheng;
 
   double tan_phi_c, ln_e_ref;  ///< follow from the above
@@ -46,13 +49,13 @@ struct Simsand {
 
   template <class R>
   struct State {
-    SymTensor<R> stress;  ///< sigma_f [Pa], tension-positive
-    R x;                  ///< (p/p_at)^(1-n); negative: a gap of x/a(e_ref) has opened between the grains
-    R kappa;              ///< accumulated plastic deviatoric strain eps_d^p
+    SymTensor<R> stress;    ///< sigma_f [Pa], tension-positive
+    R x;                    ///< (p/p_at)^(1-n); negative: a gap of x/a(e_ref) has opened between the grains
+    R kappa;                ///< accumulated plastic deviatoric strain eps_d^p
     R skeleton_void_ratio;  ///< void ratio without the gap
   };
 
-  // ---- the equations, one a function -------------------------------------------------------------------------
+  // ---- the equations, one a function -----------------------------------------------------------------------------
 
   /// a: growth of x with elastic volumetric compression, (1-n) E0 (2.97-e)^2/(1+e)/(3(1-2nu)). Eq. 4
   template <Number R>
@@ -109,7 +112,7 @@ struct Simsand {
     return kappa / (R(k_p) + kappa);
   }
 
-  // ---- what a law offers ---------------------------------------------------------------------------------------
+  // ---- what a law offers -----------------------------------------------------------------------------------------
 
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const;
@@ -119,7 +122,8 @@ struct Simsand {
     return state.stress;
   }
 
-  /// Work that unloading gives back [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by shear, at the present stiffness.
+  /// Work that unloading gives back [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by
+  /// shear, at the present stiffness.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
     const R p = pressure(state.stress);
@@ -184,29 +188,39 @@ inline StateOrReason<Simsand::State<double>> Simsand::at_rest(const InitialState
   const double M_p = friction_slope(lode, peak_tangent(ln_density(ln_P, log(e))), lode_sine(s));
   const double eta = q / p;
   if (!(eta < M_p))
-    return "the stress ratio q/p = " + std::to_string(eta) + " is not below the peak ratio M_p = " + std::to_string(M_p) +
-           "; no amount of hardening carries it";
+    return "the stress ratio q/p = " + std::to_string(eta) +
+           " is not below the peak ratio M_p = " + std::to_string(M_p) + "; no amount of hardening carries it";
   const double least = k_p * eta / (M_p - eta);
   if (!initial.kappa) state.kappa = least;
   if (state.kappa < least * (1 - 1e-9))
-    return "kappa = " + std::to_string(state.kappa) + " cannot carry q/p = " + std::to_string(eta) + "; it must be at least " +
-           std::to_string(least);
+    return "kappa = " + std::to_string(state.kappa) + " cannot carry q/p = " + std::to_string(eta) +
+           "; it must be at least " + std::to_string(least);
   return state;
 }
 
 inline std::span<const ParameterOf<Simsand>> Simsand::parameters() {
   static const ParameterOf<Simsand> table[] = {
-      {{"E0", "1", Range::positive(), "referential elastic modulus (Eq. 4)"}, [](Simsand& l) -> double& { return l.E0; }},
+      {{"E0", "1", Range::positive(), "referential elastic modulus (Eq. 4)"},
+       [](Simsand& l) -> double& { return l.E0; }},
       {{"nu", "1", {-1, 0.5, true, true}, "Poisson's ratio"}, [](Simsand& l) -> double& { return l.nu; }},
-      {{"n", "1", {0, 1, false, true}, "exponent of the elastic stiffness (Eq. 4)"}, [](Simsand& l) -> double& { return l.n; }},
-      {{"phi_c", "rad", {0, 48 * std::numbers::pi / 180, true, false}, "critical-state friction angle (Eqs. 9, 10)"}, [](Simsand& l) -> double& { return l.phi_c; }},
-      {{"e_ref", "1", {0, 2.97, true, true}, "critical-state void ratio at zero pressure (Eq. 8)"}, [](Simsand& l) -> double& { return l.e_ref; }},
-      {{"Lambda", "1", Range::not_negative(), "slope of the critical-state line (Eq. 8)"}, [](Simsand& l) -> double& { return l.Lambda; }},
-      {{"xi", "1", Range::positive(), "curvature of the critical-state line (Eq. 8)"}, [](Simsand& l) -> double& { return l.xi; }},
-      {{"A_d", "1", Range::not_negative(), "magnitude of dilatancy (Eq. 7)"}, [](Simsand& l) -> double& { return l.A_d; }},
-      {{"k_p", "1", Range::positive(), "plastic strain at half hardening (Eq. 6)"}, [](Simsand& l) -> double& { return l.k_p; }},
-      {{"n_p", "1", Range::not_negative(), "interlocking: peak strength (Eq. 9)"}, [](Simsand& l) -> double& { return l.n_p; }},
-      {{"n_d", "1", Range::not_negative(), "interlocking: phase transformation (Eq. 10)"}, [](Simsand& l) -> double& { return l.n_d; }},
+      {{"n", "1", {0, 1, false, true}, "exponent of the elastic stiffness (Eq. 4)"},
+       [](Simsand& l) -> double& { return l.n; }},
+      {{"phi_c", "rad", {0, 48 * std::numbers::pi / 180, true, false}, "critical-state friction angle (Eqs. 9, 10)"},
+       [](Simsand& l) -> double& { return l.phi_c; }},
+      {{"e_ref", "1", {0, 2.97, true, true}, "critical-state void ratio at zero pressure (Eq. 8)"},
+       [](Simsand& l) -> double& { return l.e_ref; }},
+      {{"Lambda", "1", Range::not_negative(), "slope of the critical-state line (Eq. 8)"},
+       [](Simsand& l) -> double& { return l.Lambda; }},
+      {{"xi", "1", Range::positive(), "curvature of the critical-state line (Eq. 8)"},
+       [](Simsand& l) -> double& { return l.xi; }},
+      {{"A_d", "1", Range::not_negative(), "magnitude of dilatancy (Eq. 7)"},
+       [](Simsand& l) -> double& { return l.A_d; }},
+      {{"k_p", "1", Range::positive(), "plastic strain at half hardening (Eq. 6)"},
+       [](Simsand& l) -> double& { return l.k_p; }},
+      {{"n_p", "1", Range::not_negative(), "interlocking: peak strength (Eq. 9)"},
+       [](Simsand& l) -> double& { return l.n_p; }},
+      {{"n_d", "1", Range::not_negative(), "interlocking: phase transformation (Eq. 10)"},
+       [](Simsand& l) -> double& { return l.n_d; }},
   };
   return table;
 }
@@ -225,7 +239,9 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
   using D = SymTensor<double>;
   static const QuantityOf<Simsand> table[] = {
       {{"frictional_stress", "Pa", 6, "stress of lasting contacts"},
-       [](const Simsand&, const S& s, const D&, double* v) { for (int i = 0; i < 6; ++i) v[i] = s.stress[i]; }},
+       [](const Simsand&, const S& s, const D&, double* v) {
+         for (int i = 0; i < 6; ++i) v[i] = s.stress[i];
+       }},
       {{"p_f", "Pa", 1, "frictional pressure"},
        [](const Simsand&, const S& s, const D&, double* v) { *v = pressure(s.stress); }},
       {{"q_f", "Pa", 1, "frictional von Mises stress"},
@@ -241,7 +257,9 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
       {{"phi_p", "rad", 1, "peak friction angle (Eq. 9)"},
        [](const Simsand& l, const S& s, const D&, double* v) { *v = std::atan(l.peak_tangent(l.density(s))); }},
       {{"phi_pt", "rad", 1, "phase transformation angle (Eq. 10)"},
-       [](const Simsand& l, const S& s, const D&, double* v) { *v = std::atan(l.transformation_tangent(l.density(s))); }},
+       [](const Simsand& l, const S& s, const D&, double* v) {
+         *v = std::atan(l.transformation_tangent(l.density(s)));
+       }},
       {{"gap", "1", 1, "volumetric strain of the gap between separated grains; 0 where they touch"},
        [](const Simsand& l, const S& s, const D&, double* v) { *v = s.x < 0 ? -s.x / l.growth_in_gap() : 0; }},
       {{"separated", "1", 1, "1 where the grains have moved apart"},

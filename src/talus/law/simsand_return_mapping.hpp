@@ -1,5 +1,6 @@
 #pragma once
-/// SIMSAND's implicit integration: any step size, any state, several particles at once. The equations stand in simsand.hpp.
+/// SIMSAND's implicit integration: any step size, any state, several particles at once. The equations stand in
+/// simsand.hpp.
 
 #include "talus/law/simsand.hpp"
 
@@ -32,9 +33,11 @@ TALUS_HD Trial<R> try_elastic(const Simsand& law, const Simsand::State<R>& state
 
 /// Leaves a point without stress: the deviatoric strain is all plastic, an expansion opens the gap.
 template <Number R>
-TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& state, R D_v, const Trial<R>& t, R kappa) {
+TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& state, R D_v, const Trial<R>& t,
+                                  R kappa) {
   const R zero = R(0.0), one = R(1.0);
-  const R closed = select(state.x >= zero, state.x / law.growth(state.skeleton_void_ratio), state.x * R(1 / law.growth_in_gap()));
+  const R closed =
+      select(state.x >= zero, state.x / law.growth(state.skeleton_void_ratio), state.x * R(1 / law.growth_in_gap()));
   const R gap = min(closed + D_v, zero);
   const R e = any(gap < zero) ? (one + t.e) * exp(gap) - one : t.e;
   // Contacts pressed too little to count keep what they have.
@@ -50,8 +53,8 @@ struct ReturnPoint {
   R residual;  ///< x - x_trial + a A_d (M_pt - q/p) d kappa
 };
 
-/// The implicit return as one equation for x. Moduli are secants of the step, so elasticity is exact; the return is radial, so that
-/// d kappa is the root of a quadratic and f = 0 holds to rounding whatever x is.
+/// The implicit return as one equation for x. Moduli are secants of the step, so elasticity is exact; the return is
+/// radial, so that d kappa is the root of a quadratic and f = 0 holds to rounding whatever x is.
 template <class R>
 struct ReturnEquation {
   const Simsand& law;
@@ -59,7 +62,8 @@ struct ReturnEquation {
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
   R kappa_n, p_n, x_n, K_n, ln_e;
 
-  TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain, const Trial<R>& t)
+  TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain,
+                          const Trial<R>& t)
       : law(l), trial(t), s_n(deviator(state.stress)), e_dev(deviator(strain)), kappa_n(state.kappa) {
     const R zero = R(0.0);
     p_n = max(pressure(state.stress), zero);
@@ -109,12 +113,14 @@ struct ReturnEquation {
 template <Number R>
 TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
   using talus::select;
-  return {select(m, a.p, b.p),           select(m, a.G, b.G),           select(m, a.q, b.q),
-          select(m, a.M_pt, b.M_pt),     select(m, a.eta, b.eta),       select(m, a.dkappa, b.dkappa),
-          select(m, a.scale, b.scale),   select(m, a.residual, b.residual)};
+  return {select(m, a.p, b.p),         select(m, a.G, b.G),
+          select(m, a.q, b.q),         select(m, a.M_pt, b.M_pt),
+          select(m, a.eta, b.eta),     select(m, a.dkappa, b.dkappa),
+          select(m, a.scale, b.scale), select(m, a.residual, b.residual)};
 }
 
-/// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost their pressure.
+/// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
+/// their pressure.
 template <Number R>
 TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state, const Motion<R>& motion) {
   using M = mask_t<R>;
@@ -160,7 +166,8 @@ TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state
     state = {equation.stress(r), select(elastic, trial.x, x), kappa, trial.e};
   } else {
     const Simsand::State<R> loose = let_go(law, state, D_v, trial, kappa);
-    state = {talus::select<R>(carries, equation.stress(r), loose.stress), select(carries, select(elastic, trial.x, x), loose.x), kappa,
+    state = {talus::select<R>(carries, equation.stress(r), loose.stress),
+             select(carries, select(elastic, trial.x, x), loose.x), kappa,
              select(carries, trial.e, loose.skeleton_void_ratio)};
   }
 

@@ -5,7 +5,8 @@
 
 namespace talus::detail {
 
-/// Where a point stands between substeps. Volumetric quantities are compression-positive, the deviator is tension-positive.
+/// Where a point stands between substeps. Volumetric quantities are compression-positive, the deviator is
+/// tension-positive.
 struct SubstepState {
   SymTensor<double> s;
   double x, kappa, e;
@@ -32,11 +33,12 @@ struct Tangent {
   double p, K, G, q, a, e, kappa;
   FrictionSlope<double> peak;
   double M_pt, h;
-  double F_p, F_e, F_S;     ///< df by dp, de, dS
-  SymTensor<double> flow;   ///< (3/2) s/q; along the strain increment where there is no shear stress yet
+  double F_p, F_e, F_S;    ///< df by dp, de, dS
+  SymTensor<double> flow;  ///< (3/2) s/q; along the strain increment where there is no shear stress yet
   SymTensor<double> s;
 
-  TALUS_HD Tangent(const Simsand& l, const SubstepState& state, const SplitStrain& strain) : law(l), e(state.e), kappa(state.kappa), s(state.s) {
+  TALUS_HD Tangent(const Simsand& l, const SubstepState& state, const SplitStrain& strain)
+      : law(l), e(state.e), kappa(state.kappa), s(state.s) {
     const double ln_P = law.exponent() * log(state.x);
     p = atmospheric_pressure * exp(ln_P);
     a = law.growth(e);
@@ -72,8 +74,9 @@ struct Tangent {
     if (F_S != 0) {
       const SymTensor<double> ds = (2 * G) * strain.dev;
       const double q3 = q * q * q;
-      const SymTensor<double> minors = {s.yy * s.zz - s.yz * s.yz, s.xx * s.zz - s.zx * s.zx, s.xx * s.yy - s.xy * s.xy,
-                                        s.yz * s.zx - s.xy * s.zz, s.xy * s.zx - s.yz * s.xx, s.xy * s.yz - s.zx * s.yy};
+      const SymTensor<double> minors = {s.yy * s.zz - s.yz * s.yz, s.xx * s.zz - s.zx * s.zx,
+                                        s.xx * s.yy - s.xy * s.xy, s.yz * s.zx - s.xy * s.zz,
+                                        s.xy * s.zx - s.yz * s.xx, s.xy * s.yz - s.zx * s.yy};
       const double S = 13.5 * determinant(s) / q3;
       by_lode = F_S * (13.5 * double_dot(minors, ds) / q3 - 3 * S * double_dot(flow, ds) / q);
     }
@@ -86,7 +89,8 @@ struct Tangent {
   }
 
   TALUS_HD Change change(const SplitStrain& strain, double dkappa) const {
-    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa, (p * dilatancy() + q) * dkappa};
+    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa,
+            (p * dilatancy() + q) * dkappa};
   }
   TALUS_HD Change elastic(const SplitStrain& strain) const { return change(strain, 0); }
   TALUS_HD Change plastic(const SplitStrain& strain) const {
@@ -106,7 +110,8 @@ struct Heun {
   bool valid;
 };
 
-TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const SplitStrain& strain, double e_new, bool yielding) {
+TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const SplitStrain& strain, double e_new,
+                          bool yielding) {
   const Tangent start(law, from, strain);
   const Change first = yielding ? start.plastic(strain) : start.elastic(strain);
   const SubstepState euler = after(from, first, e_new);
@@ -138,96 +143,112 @@ TALUS_HD inline SubstepState correct_drift(const Simsand& law, SubstepState stat
   return state;
 }
 
-/// Modified Euler with adaptive substeps, yield crossing and drift correction (Sloan, Abbo and Sheng 2001, Eng. Comput. 18:121). `tolerance` bounds
-/// the relative error of each substep. Where contacts are about to lose their pressure the implicit return takes over.
-TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state, const Motion<double>& motion, double tolerance) {
-  constexpr double on_surface = 1e-9;    // |f|/p that counts as yielding
-  constexpr double least_step = 1e-9;    // fraction of the increment below which error control gives up
-  constexpr double fading_x = 1e-4;      // x below which explicit substeps would have to follow the vanishing elastic strain
-  constexpr double implicit_strain = 1e-5;
+inline constexpr double on_surface = 1e-9;     ///< |f|/p that counts as yielding
+inline constexpr double least_substep = 1e-9;  ///< fraction of an increment below which error control gives up
+/// x below which explicit substeps would have to follow the vanishing elastic strain, and the strain of the implicit
+/// steps that take over there.
+inline constexpr double fading_x = 1e-4, fading_strain = 1e-5;
+
+/// Void ratio after a part of an increment.
+TALUS_HD inline double e_after(const SubstepState& from, const SplitStrain& part) {
+  return (1 + from.e) * exp(-part.D_v) - 1;
+}
+
+/// An elastic substep from inside or on the yield surface, as much of `fraction` of the increment as does not end
+/// outside; `fraction` becomes what it took.
+TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& from, const SplitStrain& whole, double p,
+                                     double f_start, double& fraction) {
+  Heun h;
+  const auto yield_after = [&](double part) {
+    const SplitStrain strain = whole.part(part);
+    h = heun(law, from, strain, e_after(from, strain), false);
+    return Tangent(law, h.state, strain).yield();
+  };
+  double high = fraction, f_high = yield_after(high);
+  if (f_high <= on_surface * p) return h;
+  if (f_start >= -on_surface * p) {  // it leaves the surface inwards and comes back out: stay inside
+    while (f_high > 0 && fraction > least_substep) f_high = yield_after(fraction *= 0.5);
+    return h;
+  }
+  double low = 0, f_low = f_start;
+  for (int i = 0; i < 100 && high - low > 1e-15; ++i) {  // regula falsi, Illinois variant
+    fraction = high - f_high * (high - low) / (f_high - f_low);
+    if (!(fraction > low && fraction < high)) fraction = 0.5 * (low + high);
+    const double f = yield_after(fraction);
+    if (abs(f) <= 0.1 * on_surface * p) break;
+    if (f > 0) {
+      high = fraction;
+      f_high = f;
+      f_low *= 0.5;
+    } else {
+      low = fraction;
+      f_low = f;
+      f_high *= 0.5;
+    }
+  }
+  return h;
+}
+
+/// Modified Euler with adaptive substeps, yield crossing and drift correction (Sloan, Abbo and Sheng 2001, Eng. Comput.
+/// 18:121). `tolerance` bounds the relative error of each substep. Where contacts are about to lose their pressure the
+/// implicit return takes over.
+TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state,
+                                                const Motion<double>& motion, double tolerance) {
   const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
   const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
-
   Response<double> response{double(Outcome::elastic), 0, 0, 0, 0};
   double done = 0, step = 1;
   while (done < 1) {
     step = min(step, 1 - done);
-    bool implicit = !(state.x > fading_x);
-    if (!implicit) {
-      const SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
-      SplitStrain strain = whole.part(step);
+    bool explicit_works = state.x > fading_x;
+    if (explicit_works) {
+      const SplitStrain strain = whole.part(step);
+      SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
+      // A state that was put outside, by averaging over a cell or by the user, flows back first.
+      if (Tangent(law, from, strain).yield() > on_surface * law.pressure_at(from.x))
+        from = correct_drift(law, from, strain);
       const Tangent start(law, from, strain);
-      const bool touches = start.yield() >= -on_surface * start.p;
-      const bool yielding = touches && start.loading(strain) > 0;
-      const auto e_after = [&](const SplitStrain& part) { return (1 + from.e) * exp(-part.D_v) - 1; };
-      Heun next = heun(law, from, strain, e_after(strain), yielding);
+      const double f = start.yield();
+      const bool yielding = f >= -on_surface * start.p && start.loading(strain) > 0;
+      double taken = step;
+      const Heun next = yielding ? heun(law, from, strain, e_after(from, strain), true)
+                                 : elastic_substep(law, from, whole, start.p, f, taken);
       if (next.error > tolerance) {
         const double shrink = next.valid ? max(0.9 * sqrt(tolerance / next.error), 0.1) : 0.25;
-        if (step * shrink > least_step) {
-          step *= shrink;
+        if (taken * shrink > least_substep) {
+          step = taken * shrink;
           continue;
         }
-        if (!next.valid) implicit = true;
       }
-      if (!implicit && !yielding) {
-        // An elastic substep must not end outside: go to the crossing only.
-        const auto overshoot = [&](const Heun& h, const SplitStrain& part) { return Tangent(law, h.state, part).yield(); };
-        double f_high = overshoot(next, strain);
-        if (f_high > on_surface * start.p) {
-          double low = 0, high = step, f_low = start.yield();
-          if (touches) {  // leaves the surface inwards, comes back out: look for the inside first
-            for (int i = 0; i < 60 && f_high > 0; ++i) {
-              step *= 0.5;
-              strain = whole.part(step);
-              next = heun(law, from, strain, e_after(strain), false);
-              f_high = overshoot(next, strain);
-            }
-          } else {
-            for (int i = 0; i < 100; ++i) {  // regula falsi, Illinois variant
-              step = high - f_high * (high - low) / (f_high - f_low);
-              if (!(step > low && step < high)) step = 0.5 * (low + high);
-              strain = whole.part(step);
-              next = heun(law, from, strain, e_after(strain), false);
-              const double f = overshoot(next, strain);
-              if (abs(f) <= 0.1 * on_surface * start.p || high - low < 1e-15) break;
-              if (f > 0) {
-                high = step;
-                f_high = f;
-                f_low *= 0.5;
-              } else {
-                low = step;
-                f_low = f;
-                f_high *= 0.5;
-              }
-            }
-          }
-        }
-      }
-      if (!implicit) {
+      explicit_works = next.valid;
+      if (explicit_works) {
         const SubstepState to = yielding ? correct_drift(law, next.state, strain) : next.state;
         state = {stress_from(to.s, law.pressure_at(to.x)), to.x, to.kappa, to.e};
         response.outcome = double(yielding ? Outcome::plastic : Outcome::elastic);
         response.plastic_work += next.plastic_work;
-        done = done + step >= 1 - 1e-14 ? 1 : done + step;
-        step *= next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0;
+        step = taken * (next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0);
+        done = done + taken >= 1 - 1e-14 ? 1 : done + taken;
       }
     }
-    if (implicit) {
-      step = min(1 - done, max(least_step, size > 0 ? implicit_strain / size : 1.0));
-      const Motion<double> part{step * motion.strain, motion.strain_rate, step * motion.dt};
-      const Response<double> r = return_mapping(law, state, part);
+    if (!explicit_works) {
+      step = min(1 - done, max(least_substep, size > 0 ? fading_strain / size : 1.0));
+      const Response<double> r =
+          return_mapping(law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt});
       response.outcome = r.outcome;
       response.plastic_work += r.plastic_work;
       done = done + step >= 1 - 1e-14 ? 1 : done + step;
     }
   }
   const double p = pressure(state.stress);
-  response.stiffness = p > 0 ? law.wave_modulus(law.bulk_modulus(law.growth(state.skeleton_void_ratio), p, state.x)) : 0;
+  response.stiffness =
+      p > 0 ? law.wave_modulus(law.bulk_modulus(law.growth(state.skeleton_void_ratio), p, state.x)) : 0;
   return response;
 }
 
-/// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls to zero leaves the point without stress.
-TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state, const Motion<double>& motion) {
+/// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls
+/// to zero leaves the point without stress.
+TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
+                                               const Motion<double>& motion) {
   const SplitStrain strain{deviator(motion.strain), volumetric_compression(motion.strain)};
   const Trial<double> trial = try_elastic(law, state, strain.D_v);
   const double p = pressure(state.stress);

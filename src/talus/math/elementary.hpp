@@ -1,8 +1,9 @@
 #pragma once
 /// exp and log for one number or a pack of them, with the same bits either way.
 ///
-/// Both reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with the
-/// Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range of the tests: 1 ulp.
+/// Both reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
+/// the Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range
+/// of the tests: 1 ulp.
 
 #include <bit>
 #include <cstdint>
@@ -54,7 +55,8 @@ TALUS_HD R exp(R x) {
   return e_r * number(two_to_k);
 }
 
-/// ln x, at most 1 ulp off, for normal positive x. Zero and subnormal numbers count as 2^-1022; infinity and NaN give NaN.
+/// ln x, at most 1 ulp off, for normal positive x. Zero and subnormal numbers count as 2^-1022; infinity and NaN give
+/// NaN.
 template <Number R>
 TALUS_HD R log(R x) {
   using namespace detail;

@@ -18,7 +18,8 @@ struct Tensor {
 template <class R>
 TALUS_HD SymTensor<R> symmetric_part(const Tensor<R>& a) {
   const R half = R(0.5);
-  return {a[0][0], a[1][1], a[2][2], half * (a[0][1] + a[1][0]), half * (a[1][2] + a[2][1]), half * (a[2][0] + a[0][2])};
+  return {
+      a[0][0], a[1][1], a[2][2], half * (a[0][1] + a[1][0]), half * (a[1][2] + a[2][1]), half * (a[2][0] + a[0][2])};
 }
 
 /// Q a Q^T

@@ -22,7 +22,8 @@ inline constexpr Choice lode_choices[] = {
     {"none", "as strong in every direction as in triaxial compression"},
 };
 
-/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.6 on it is dented in simple shear too.
+/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.6 on it is dented in simple shear
+/// too.
 inline constexpr double steepest_tangent = 1.1106125148291928;  // tan 48 deg
 
 /// M and its derivatives by the tangent of the friction angle and by S = sin 3theta.
@@ -47,8 +48,10 @@ TALUS_HD R lode_angle(R S) {
 
 }  // namespace detail
 
-/// Slope M of the failure line in the p-q plane for the friction angle with tangent `t` (0 <= t <= `steepest_tangent`) at S = sin 3theta.
-///   sheng:         M = M_c (2 c^4 / (1 + c^4 + (1 - c^4) S))^(1/4),  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi)
+/// Slope M of the failure line in the p-q plane for the friction angle with tangent `t` (0 <= t <= `steepest_tangent`)
+/// at S = sin 3theta.
+///   sheng:         M = M_c (2 c^4 / (1 + c^4 + (1 - c^4) S))^(1/4),
+///                  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi)
 ///   mohr_coulomb:  M = 3 sin phi / (sqrt 3 cos theta + sin phi sin theta)
 template <class R>
 TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
@@ -83,7 +86,8 @@ TALUS_HD inline FrictionSlope<double> friction_slope_and_derivatives(LodeRule ru
       const double theta = detail::lode_angle(S);
       const double width = std::numbers::sqrt3 * std::cos(theta) + sine * std::sin(theta);
       const double by_sine = 3 * std::numbers::sqrt3 * std::cos(theta) / (width * width);
-      const double by_theta = -3 * sine * (sine * std::cos(theta) - std::numbers::sqrt3 * std::sin(theta)) / (width * width);
+      const double by_theta =
+          -3 * sine * (sine * std::cos(theta) - std::numbers::sqrt3 * std::sin(theta)) / (width * width);
       // At the hexagon's corners S does not change to first order, so the derivative is never used there.
       const double cos3 = std::sqrt(std::fmax(1 - S * S, 1e-12));
       return {M, by_sine * dsine, by_theta / (3 * cos3)};

@@ -1,8 +1,8 @@
 #pragma once
 /// Stress and strain invariants. The only file of talus that turns a sign.
 ///
-/// Tensors are tension-positive everywhere. The scalars of soil mechanics (pressure, volumetric compression) are compression-positive.
-/// Shear strains are tensor components: eps_xy = (du/dy + dv/dx) / 2.
+/// Tensors are tension-positive everywhere. The scalars of soil mechanics (pressure, volumetric compression) are
+/// compression-positive. Shear strains are tensor components: eps_xy = (du/dy + dv/dx) / 2.
 
 #include "talus/math/sym_tensor.hpp"
 
@@ -29,7 +29,7 @@ TALUS_HD SymTensor<R> stress_from(const SymTensor<R>& s, R p) {
 /// Tension-positive to compression-positive, or back: how element tests are given and reported.
 template <class R>
 TALUS_HD SymTensor<R> opposite_sign(const SymTensor<R>& a) {
-  return -a;
+  return SymTensor<R>::zero() - a;  // and not -a, which would write -0
 }
 
 /// s = a - tr(a)/3 I

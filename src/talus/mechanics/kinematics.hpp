@@ -14,7 +14,8 @@ struct Motion {
 };
 
 /// Rotation of the material during dt under the velocity gradient L: (I - W dt/2)^-1 (I + W dt/2), with the spin W.
-/// Orthogonal to rounding. (Hughes and Winget 1980, Int. J. Numer. Meth. Eng. 15:1862, written out for three dimensions.)
+/// Orthogonal to rounding. (Hughes and Winget 1980, Int. J. Numer. Meth. Eng. 15:1862, written out for three
+/// dimensions.)
 template <class R>
 TALUS_HD Tensor<R> incremental_rotation(const Tensor<R>& L, double dt) {
   const R quarter = R(0.25 * dt);

@@ -1,9 +1,10 @@
 #pragma once
 /// Walls on the sides of the domain.
 ///
-/// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall is the image of the one in front of it, and has its velocity turned
-/// round (slip: the normal component; no slip: all components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So at the
-/// wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through.
+/// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall
+/// is the image of the one in front of it, and has its velocity turned round (slip: the normal component; no slip: all
+/// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
+/// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through.
 
 #include <array>
 
@@ -26,7 +27,8 @@ struct Domain {
 
 namespace detail {
 
-/// Factors for the lanes of a node value: `vector` for those components that the wall acts on, 1 for the others and the mass.
+/// Factors for the lanes of a node value: `vector` for those components that the wall acts on, 1 for the others and the
+/// mass.
 inline NodeValue wall_factors(WallKind wall, int axis, double vector) {
   NodeValue factors(1.0);
   for (int a = 0; a < 3; ++a)
@@ -69,21 +71,20 @@ class Boundary {
     for (const Mirror& m : mirrors_)
       loop.for_each(int(m.originals.size()), [&](int i, int) {
         const int t = m.originals[i];
-        visit(grid, t, m, m.original, m.image, [&](int own, int other, int theirs) {
-          grid.sums(t)[own] += m.factors * grid.sums(other)[theirs];
-        });
+        visit(grid, t, m, m.original, m.image,
+              [&](int own, int other, int theirs) { grid.sums(t)[own] += m.factors * grid.sums(other)[theirs]; });
       });
   }
 
-  /// Gives images the velocities of their originals, turned round; `nodal` is one of the grid's velocities or its acceleration.
+  /// Gives images the velocities of their originals, turned round; `nodal` is one of the grid's velocities or its
+  /// acceleration.
   template <class Nodal>
   void extend_to_images(GridType& grid, Loop& loop, Nodal nodal) const {
     for (const Mirror& m : mirrors_)
       loop.for_each(int(m.images.size()), [&](int i, int) {
         const int t = m.images[i];
-        visit(grid, t, m, m.image, m.original, [&](int own, int other, int theirs) {
-          nodal(t)[own] = m.factors * nodal(other)[theirs];
-        });
+        visit(grid, t, m, m.image, m.original,
+              [&](int own, int other, int theirs) { nodal(t)[own] = m.factors * nodal(other)[theirs]; });
       });
   }
 
@@ -125,7 +126,8 @@ class Boundary {
     return i >= 0 && i < tile_edge;
   }
 
-  /// Calls f(node, tile of its partner, node of its partner) for the nodes of tile t at index `here` along the mirror's axis, whose partners are at `there`.
+  /// Calls f(node, tile of its partner, node of its partner) for the nodes of tile t at index `here` along the mirror's
+  /// axis, whose partners are at `there`.
   template <class F>
   void visit(const GridType& grid, int t, const Mirror& m, int here, int there, F f) const {
     const auto& tile = grid.tile(t);

@@ -30,7 +30,8 @@ bool earlier(const Index<Dim>& a, const Index<Dim>& b) {
 
 }  // namespace detail
 
-/// Sorts all particles stably and rearranges the grid. Particles of one cell stay in the order they had, so the result depends on nothing but their places.
+/// Sorts all particles stably and rearranges the grid. Particles of one cell stay in the order they had, so the result
+/// depends on nothing but their places.
 template <int Dim, class Shape>
 void put_in_cell_order(std::vector<Body<Dim>>& bodies, const Domain<Dim>& domain, Grid<Dim, Shape>& grid, Loop& loop) {
   using Layout = TileLayout<Dim, Shape>;
@@ -84,7 +85,8 @@ void put_in_cell_order(std::vector<Body<Dim>>& bodies, const Domain<Dim>& domain
     // Counts become first places, tile after tile, cell after cell.
     std::partial_sum(next.begin(), next.end(), next.begin());
     body.tiles.resize(occupied.size());
-    for (std::size_t t = 0; t < occupied.size(); ++t) body.tiles[t] = {next[t * Layout::n_cells], next[(t + 1) * Layout::n_cells]};
+    for (std::size_t t = 0; t < occupied.size(); ++t)
+      body.tiles[t] = {next[t * Layout::n_cells], next[(t + 1) * Layout::n_cells]};
     std::vector<int> order(n);
     for (int i = 0; i < n; ++i) order[next[slot[i]]++] = i;
     loop.for_each(particles.columns().n_columns(), [&](int c, int) {

@@ -1,9 +1,10 @@
 #pragma once
 /// The background grid: only the tiles that hold material, and the nodes around them.
 ///
-/// A tile is a cube of `tile_edge` cells along each axis and owns as many nodes. Its particles touch nodes of neighbouring tiles too, so a tile
-/// scatters into an array of its own that covers those as well (its window); afterwards every node adds up the windows it lies in, always in the same order.
-/// No two threads ever write the same number, and the sums do not depend on how many threads there are.
+/// A tile is a cube of `tile_edge` cells along each axis and owns as many nodes. Its particles touch nodes of
+/// neighbouring tiles too, so a tile scatters into an array of its own that covers those as well (its window);
+/// afterwards every node adds up the windows it lies in, always in the same order. No two threads ever write the same
+/// number, and the sums do not depend on how many threads there are.
 
 #include <algorithm>
 #include <cmath>
@@ -74,14 +75,15 @@ class Grid {
 
   /// Particles of a tile add to its window.
   NodeValue* window(int t) { return &windows_[std::size_t(t) * Layout::n_window]; }
-  /// What a tile's nodes hold: sums over windows, velocity before the step (lane 3: mass), velocity after, acceleration.
+  /// What a tile's nodes hold: sums over windows, velocity before the step (lane 3: mass), velocity after,
+  /// acceleration.
   NodeValue* sums(int t) { return &sums_[std::size_t(t) * Layout::n_nodes]; }
   NodeValue* velocity(int t) { return &velocity_[std::size_t(t) * Layout::n_nodes]; }
   NodeValue* new_velocity(int t) { return &new_velocity_[std::size_t(t) * Layout::n_nodes]; }
   NodeValue* acceleration(int t) { return &acceleration_[std::size_t(t) * Layout::n_nodes]; }
 
-  /// Takes up the given occupied tiles, in the given order, and adds the empty ones whose nodes they reach. `cells[t]` bounds the cells
-  /// of tile t that hold particles, counted inside the tile.
+  /// Takes up the given occupied tiles, in the given order, and adds the empty ones whose nodes they reach. `cells[t]`
+  /// bounds the cells of tile t that hold particles, counted inside the tile.
   struct CellRange {
     Index<Dim> low, high;
   };
@@ -92,7 +94,8 @@ class Grid {
   /// sums = what all windows hold for the nodes of tile t, added in the order of the neighbours.
   void add_windows(int t);
 
-  /// Copies nodal values of tile t and its neighbours into an array laid out like a window; where there is no tile, zero.
+  /// Copies nodal values of tile t and its neighbours into an array laid out like a window; where there is no tile,
+  /// zero.
   void fill_window(int t, const std::vector<NodeValue>& nodal, NodeValue* out) const;
   const std::vector<NodeValue>& velocity() const { return velocity_; }
   const std::vector<NodeValue>& new_velocity() const { return new_velocity_; }
@@ -100,7 +103,8 @@ class Grid {
 
   /// Bytes held.
   std::size_t bytes() const {
-    return sizeof(NodeValue) * (windows_.capacity() + sums_.capacity() + velocity_.capacity() + new_velocity_.capacity() + acceleration_.capacity()) +
+    return sizeof(NodeValue) * (windows_.capacity() + sums_.capacity() + velocity_.capacity() +
+                                new_velocity_.capacity() + acceleration_.capacity()) +
            tiles_.capacity() * sizeof(tiles_[0]);
   }
 
@@ -111,7 +115,8 @@ class Grid {
 
 namespace detail {
 
-/// The part of an axis that a tile shares with the window of its neighbour at `offset`: `count` nodes, from `own` in the tile and from `theirs` in the window.
+/// The part of an axis that a tile shares with the window of its neighbour at `offset`: `count` nodes, from `own` in
+/// the tile and from `theirs` in the window.
 struct Overlap {
   int own, theirs, count;
 };
@@ -128,7 +133,8 @@ void for_each_shared(const Index<Dim>& offset, F f) {
   using Layout = TileLayout<Dim, Shape>;
   const Overlap x = overlap<Layout>(offset[0]), y = overlap<Layout>(offset[1]);
   const Overlap z = Dim == 3 ? overlap<Layout>(offset[Dim - 1]) : Overlap{0, 0, 1};
-  constexpr int own_z = Dim == 3 ? tile_edge * tile_edge : 0, window_z = Dim == 3 ? Layout::window_edge * Layout::window_edge : 0;
+  constexpr int own_z = Dim == 3 ? tile_edge * tile_edge : 0,
+                window_z = Dim == 3 ? Layout::window_edge * Layout::window_edge : 0;
   for (int k = 0; k < z.count; ++k)
     for (int j = 0; j < y.count; ++j)
       for (int i = 0; i < x.count; ++i)

@@ -11,52 +11,63 @@ namespace talus {
 namespace {
 
 const Quantity& common(std::string_view name) {
-  return *std::find_if(std::begin(common_quantities), std::end(common_quantities), [&](const Quantity& q) { return q.name == name; });
+  return *std::find_if(std::begin(common_quantities), std::end(common_quantities),
+                       [&](const Quantity& q) { return q.name == name; });
 }
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
 
 }  // namespace
 
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n, Observation& seen) {
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
+                  Observation& seen) {
   const Particles<Dim>& p = body.particles;
   const auto put = [&](const Quantity& q, auto tell) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
-      seen.fields.push_back({std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components,
-                             std::vector<double>(std::size_t(n) * q.components, std::numeric_limits<double>::quiet_NaN())});
+      seen.fields.push_back(
+          {std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components,
+           std::vector<double>(std::size_t(n) * q.components, std::numeric_limits<double>::quiet_NaN())});
       field = seen.fields.end() - 1;
     }
     for (int i = 0; i < p.size(); ++i) tell(i, &field->values[std::size_t(p.id()[i]) * q.components]);
   };
-  put(place, [&](int i, double* v) { for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0; });
-  put(common("velocity"), [&](int i, double* v) { for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.velocity(a)[i] : 0; });
+  put(place, [&](int i, double* v) {
+    for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0;
+  });
+  put(common("velocity"), [&](int i, double* v) {
+    for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.velocity(a)[i] : 0;
+  });
   put(common("body"), [&](int, double* v) { *v = number; });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
-  std::visit([&]<class Law>(const Law& law) {
-    const auto state = [&](int i) { return state_of<Law>(p, i); };
-    put(common("volume"), [&](int i, double* v) { *v = p.reference_volume()[i] * law.specific_volume(state(i)); });
-    put(common("stress"), [&](int i, double* v) {
-      const SymTensor<double> stress = Law::total_stress(state(i));
-      for (int c = 0; c < 6; ++c) v[c] = stress[c];
-    });
-    put(common("p"), [&](int i, double* v) { *v = pressure(Law::total_stress(state(i))); });
-    put(common("q"), [&](int i, double* v) { *v = von_mises(deviator(Law::total_stress(state(i)))); });
-    for (const auto& q : Law::quantities()) put(q, [&](int i, double* v) { q.tell(law, state(i), rates[i], v); });
-  }, body.law);
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        const auto state = [&](int i) { return state_of<Law>(p, i); };
+        put(common("volume"), [&](int i, double* v) { *v = p.reference_volume()[i] * law.specific_volume(state(i)); });
+        put(common("stress"), [&](int i, double* v) {
+          const SymTensor<double> stress = Law::total_stress(state(i));
+          for (int c = 0; c < 6; ++c) v[c] = stress[c];
+        });
+        put(common("p"), [&](int i, double* v) { *v = pressure(Law::total_stress(state(i))); });
+        put(common("q"), [&](int i, double* v) { *v = von_mises(deviator(Law::total_stress(state(i)))); });
+        for (const auto& q : Law::quantities()) put(q, [&](int i, double* v) { q.tell(law, state(i), rates[i], v); });
+      },
+      body.law);
 }
 
 template <int Dim>
 void place_body(const Body<Dim>& body, ParticlePlaces& all) {
   const Particles<Dim>& p = body.particles;
-  std::visit([&]<class Law>(const Law& law) {
-    for (int i = 0; i < p.size(); ++i) {
-      const auto id = std::size_t(p.id()[i]);
-      for (int a = 0; a < 3; ++a) all.places[id][a] = a < Dim ? p.position(a)[i] : 0;
-      all.sizes[id] = std::pow(p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)), 1.0 / Dim);
-    }
-  }, body.law);
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (int i = 0; i < p.size(); ++i) {
+          const auto id = std::size_t(p.id()[i]);
+          for (int a = 0; a < 3; ++a) all.places[id][a] = a < Dim ? p.position(a)[i] : 0;
+          all.sizes[id] = std::pow(p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)), 1.0 / Dim);
+        }
+      },
+      body.law);
 }
 
 template <int Dim>
@@ -73,13 +84,15 @@ std::string describe(const Body<Dim>& body, int i) {
   }
   line("position", x, Dim, "m");
   line("velocity", v, Dim, "m/s");
-  std::visit([&]<class Law>(const Law& law) {
-    for (const auto& q : Law::quantities()) {
-      double values[6];
-      q.tell(law, state_of<Law>(p, i), SymTensor<double>::zero(), values);
-      line(q.name, values, q.components, q.unit);
-    }
-  }, body.law);
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (const auto& q : Law::quantities()) {
+          double values[6];
+          q.tell(law, state_of<Law>(p, i), SymTensor<double>::zero(), values);
+          line(q.name, values, q.components, q.unit);
+        }
+      },
+      body.law);
   return text;
 }
 
@@ -87,12 +100,14 @@ template <int Dim>
 double elastic_energy(const Body<Dim>& body) {
   const Particles<Dim>& p = body.particles;
   double sum = 0;
-  std::visit([&]<class Law>(const Law& law) {
-    for (int i = 0; i < p.size(); ++i) {
-      const auto state = state_of<Law>(p, i);
-      sum += p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state);
-    }
-  }, body.law);
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (int i = 0; i < p.size(); ++i) {
+          const auto state = state_of<Law>(p, i);
+          sum += p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state);
+        }
+      },
+      body.law);
   return sum;
 }
 
@@ -100,15 +115,17 @@ template <int Dim>
 double fastest_wave(const Body<Dim>& body, const Integration& how) {
   const Particles<Dim>& p = body.particles;
   double speed2 = 0;
-  std::visit([&]<class Law>(const Law& law) {
-    // The stiffness is that of a step in which nothing happens.
-    const Motion<double> nothing{SymTensor<double>::zero(), SymTensor<double>::zero(), 1};
-    for (int i = 0; i < p.size(); ++i) {
-      auto state = state_of<Law>(p, i);
-      const double volume = p.reference_volume()[i] * law.specific_volume(state);
-      speed2 = std::max(speed2, law.update(state, nothing, how).stiffness * volume / p.mass()[i]);
-    }
-  }, body.law);
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        // The stiffness is that of a step in which nothing happens.
+        const Motion<double> nothing{SymTensor<double>::zero(), SymTensor<double>::zero(), 1};
+        for (int i = 0; i < p.size(); ++i) {
+          auto state = state_of<Law>(p, i);
+          const double volume = p.reference_volume()[i] * law.specific_volume(state);
+          speed2 = std::max(speed2, law.update(state, nothing, how).stiffness * volume / p.mass()[i]);
+        }
+      },
+      body.law);
   return std::sqrt(speed2);
 }
 

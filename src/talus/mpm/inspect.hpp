@@ -9,9 +9,11 @@
 
 namespace talus {
 
-/// Adds a body's particles to an observation of `n` particles in all. `rates` holds their strain rates, in the order of the particles.
+/// Adds a body's particles to an observation of `n` particles in all. `rates` holds their strain rates, in the order of
+/// the particles.
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n, Observation& seen);
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
+                  Observation& seen);
 
 /// Fills in the places and sizes of a body's particles.
 template <int Dim>

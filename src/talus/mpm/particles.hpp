@@ -21,15 +21,17 @@ struct ParticleField {
   int components;
 };
 
-/// The fields of a particle whose law remembers `n_state` numbers. Storage, sorting, restart and output all walk this list.
+/// The fields of a particle whose law remembers `n_state` numbers. Storage, sorting, restart and output all walk this
+/// list.
 template <int Dim>
 std::vector<ParticleField> particle_fields(int n_state) {
-  return {{"position", 0, Dim},                        // [m]
-          {"velocity", Dim, Dim},                      // [m/s]
-          {"mass", 2 * Dim, 1},                        // [kg], in plane strain per metre of thickness
-          {"reference_volume", 2 * Dim + 1, 1},        // [m3] at specific volume 1: the grains' own volume, or that at the start
-          {"id", 2 * Dim + 2, 1},                      // number from 0 in the order of creation
-          {"state", 2 * Dim + 3, n_state}};            // what the law remembers
+  return {
+      {"position", 0, Dim},                  // [m]
+      {"velocity", Dim, Dim},                // [m/s]
+      {"mass", 2 * Dim, 1},                  // [kg], in plane strain per metre of thickness
+      {"reference_volume", 2 * Dim + 1, 1},  // [m3] at specific volume 1: the grains' own volume, or that at the start
+      {"id", 2 * Dim + 2, 1},                // number from 0 in the order of creation
+      {"state", 2 * Dim + 3, n_state}};      // what the law remembers
 }
 
 /// Particles as columns, ordered by tile and within a tile by cell.

@@ -1,8 +1,9 @@
 #pragma once
 /// Shape functions along one axis, in units of the cell. In space they are products over the axes.
 ///
-/// A shape gives, for a point at x: the first node it touches, and the weights N and their derivatives dN/dx at `support` nodes from there on.
-/// A point that has left its cell by less than half a cell touches nodes from `below` under the cell's first node to `above` over it.
+/// A shape gives, for a point at x: the first node it touches, and the weights N and their derivatives dN/dx at
+/// `support` nodes from there on. A point that has left its cell by less than half a cell touches nodes from `below`
+/// under the cell's first node to `above` over it.
 
 #include <cmath>
 

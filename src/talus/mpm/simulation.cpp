@@ -36,41 +36,44 @@ template <int Dim>
 Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
   const Material& material = what.materials[spec.material];
   const std::vector<Vec<3>> points = lattice_points(spec, Dim);
-  if (points.empty()) throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
-  return std::visit([&]<class Law>(const Law& law) {
-    const int n = int(points.size());
-    Body<Dim> body{spec.name, material.law, Particles<Dim>(state_size<Law>), {}};
-    Particles<Dim>& p = body.particles;
-    p.resize(n);
-    // The points share the exact volume of the region, so its mass is exact whatever the lattice.
-    const double each = volume(spec.region, Dim) / n;
-    const double density = bulk_density(law, material, spec);
-    double weight = 0;  // gravity along the vertical axis, downwards
-    if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
-    for (int i = 0; i < n; ++i) {
-      InitialState initial;
-      if (weight > 0) {
-        const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
-        const double horizontal = law.earth_pressure_at_rest() * vertical;
-        initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
-        initial.stress[Dim - 1] = -vertical;
-      }
-      initial.void_ratio = spec.void_ratio.value_or(0);
-      const auto state = law.at_rest(initial);
-      if (const auto* reason = std::get_if<std::string>(&state))
-        throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
-      const auto& at_rest = std::get<typename Law::template State<double>>(state);
-      for (int a = 0; a < Dim; ++a) {
-        p.position(a)[i] = points[i][a];
-        p.velocity(a)[i] = spec.velocity[a];
-      }
-      p.mass()[i] = density * each;
-      p.reference_volume()[i] = each / law.specific_volume(at_rest);
-      p.id()[i] = double(first_id + i);
-      set_state<Law>(p, i, at_rest);
-    }
-    return body;
-  }, material.law);
+  if (points.empty())
+    throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
+  return std::visit(
+      [&]<class Law>(const Law& law) {
+        const int n = int(points.size());
+        Body<Dim> body{spec.name, material.law, Particles<Dim>(state_size<Law>), {}};
+        Particles<Dim>& p = body.particles;
+        p.resize(n);
+        // The points share the exact volume of the region, so its mass is exact whatever the lattice.
+        const double each = volume(spec.region, Dim) / n;
+        const double density = bulk_density(law, material, spec);
+        double weight = 0;  // gravity along the vertical axis, downwards
+        if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
+        for (int i = 0; i < n; ++i) {
+          InitialState initial;
+          if (weight > 0) {
+            const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
+            const double horizontal = law.earth_pressure_at_rest() * vertical;
+            initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
+            initial.stress[Dim - 1] = -vertical;
+          }
+          initial.void_ratio = spec.void_ratio.value_or(0);
+          const auto state = law.at_rest(initial);
+          if (const auto* reason = std::get_if<std::string>(&state))
+            throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
+          const auto& at_rest = std::get<typename Law::template State<double>>(state);
+          for (int a = 0; a < Dim; ++a) {
+            p.position(a)[i] = points[i][a];
+            p.velocity(a)[i] = spec.velocity[a];
+          }
+          p.mass()[i] = density * each;
+          p.reference_volume()[i] = each / law.specific_volume(at_rest);
+          p.id()[i] = double(first_id + i);
+          set_state<Law>(p, i, at_rest);
+        }
+        return body;
+      },
+      material.law);
 }
 
 template <int Dim>

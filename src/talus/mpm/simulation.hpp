@@ -14,8 +14,8 @@ namespace talus {
 struct Ledger {
   double time = 0;  ///< [s]
   long step = 0;
-  double dt = 0;  ///< of the last step [s]
-  double mass = 0;  ///< [kg]
+  double dt = 0;      ///< of the last step [s]
+  double mass = 0;    ///< [kg]
   Vec<3> momentum{};  ///< [kg m/s]
   double kinetic = 0;
   double potential = 0;
@@ -23,16 +23,22 @@ struct Ledger {
   double plastic = 0;      ///< heat of friction since the start
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
-  double numerical = 0;    ///< lost since the start between particles and grid: kinetic energy that one does not see of the other, and the work of the stress on motion that
-                           ///< the nodes make and the particles do not. Walls at rest do no work.
-  double initial = 0;      ///< kinetic, potential and elastic energy at the start
-  double turnover = 0;     ///< the most that kinetic and potential energy together have ever changed, and kinetic energy ever been: what errors are measured by
+  /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, and work of
+  /// the stress on motion that the nodes make and the particles do not. Walls at rest do no work.
+  double numerical = 0;
+  double initial = 0;  ///< kinetic, potential and elastic energy at the start
+  /// The most that kinetic and potential energy together have ever changed, or kinetic energy ever been: what losses
+  /// and errors are measured by.
+  double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   int n_separated = 0;     ///< particles whose grains have moved apart
   long n_unconverged = 0;  ///< stress updates that did not converge, since the start
 
-  /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every joule.
-  double error() const { return kinetic + potential + elastic + plastic + collisional + averaging + numerical - initial; }
+  /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
+  /// joule.
+  double error() const {
+    return kinetic + potential + elastic + plastic + collisional + averaging + numerical - initial;
+  }
 };
 
 /// A quantity at every particle.

@@ -1,9 +1,10 @@
 #pragma once
 /// One time step: explicit MPM, stress after the new positions (MUSL), FLIP with a damping time.
 ///
-/// Sulsky, Chen and Schreyer 1994 (Comput. Methods Appl. Mech. Eng. 118:179), with the operations of Sec. 4.1 of the paper turned so that every particle is visited
-/// twice a step. What a particle's velocity holds beyond the grid's decays with the time tau: v_p = alpha (v_p + dt a) + (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed
-/// share taken a step would make the result depend on the step.
+/// Sulsky, Chen and Schreyer 1994 (Comput. Methods Appl. Mech. Eng. 118:179), with the operations of Sec. 4.1 of the
+/// paper turned so that every particle is visited twice a step. What a particle's velocity holds beyond the grid's
+/// decays with the time tau: v_p = alpha (v_p + dt a) + (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed share taken a
+/// step would make the result depend on the step.
 
 #include <fmt/format.h>
 
@@ -22,8 +23,14 @@ class Stepper final : public Simulation {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  Stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies, const Vec<Dim>& gravity, const Numerics& numerics, Loop& loop)
-      : domain_(domain), bodies_(std::move(bodies)), gravity_(gravity), numerics_(numerics), loop_(loop), scratch_(loop.n_workers()) {
+  Stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies, const Vec<Dim>& gravity, const Numerics& numerics,
+          Loop& loop)
+      : domain_(domain),
+        bodies_(std::move(bodies)),
+        gravity_(gravity),
+        numerics_(numerics),
+        loop_(loop),
+        scratch_(loop.n_workers()) {
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
     for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
@@ -39,7 +46,8 @@ class Stepper final : public Simulation {
     update_stresses(dt);
     accelerate_nodes(dt);
     move_particles(dt);
-    ledger_.turnover = std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
+    ledger_.turnover =
+        std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     ++ledger_.step;
@@ -48,11 +56,15 @@ class Stepper final : public Simulation {
   double next_dt() const override {
     if (numerics_.dt) return *numerics_.dt;
     const double speed_of_gravity = std::sqrt(dot(gravity_, gravity_));
-    const double stable = stable_step({domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, speed_of_gravity});
+    const double stable =
+        stable_step({domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, speed_of_gravity});
     const double dt = std::min(stable, 1.2 * last_dt_);  // lets what stiffens be seen before the step has grown past it
     if (!(dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed)))
-      throw RunError(fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, fastest particle {:.4g} m/s, "
-                                 "viscosity {:.4g} m2/s", dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
+      throw RunError(
+          fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
+                      "fastest particle {:.4g} m/s, "
+                      "viscosity {:.4g} m2/s",
+                      dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
     return dt;
   }
 
@@ -67,12 +79,13 @@ class Stepper final : public Simulation {
   long n_tiles() const override { return grid_.n_tiles(); }
   std::size_t bytes() const override {
     std::size_t b = grid_.bytes();
-    for (const auto& body : bodies_) b += std::size_t(body.particles.size()) * body.particles.columns().n_columns() * sizeof(double);
+    for (const auto& body : bodies_)
+      b += std::size_t(body.particles.size()) * body.particles.columns().n_columns() * sizeof(double);
     return b;
   }
 
  private:
-  // ---- the step, a verb a function ---------------------------------------------------------------------------
+  // ---- the step, a verb a function --------------------------------------------------------------------------------
 
   /// v_I = sum N m v / sum N m, and what walls allow of it.
   TileSums find_node_velocities() {
@@ -118,11 +131,12 @@ class Stepper final : public Simulation {
     ledger_.n_unconverged += total.n_unconverged;
     wave_speed_ = std::sqrt(total.wave_speed2);
     viscosity_ = total.viscosity;
-    if (total.bad) stop("the stress is not finite", [](const Body<Dim>& body, int i) {
-      for (int k = 0; k < body.particles.n_state(); ++k)
-        if (!std::isfinite(body.particles.state(k)[i])) return true;
-      return false;
-    });
+    if (total.bad)
+      stop("the stress is not finite", [](const Body<Dim>& body, int i) {
+        for (int k = 0; k < body.particles.n_state(); ++k)
+          if (!std::isfinite(body.particles.state(k)[i])) return true;
+        return false;
+      });
   }
 
   /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls allow of it.
@@ -156,7 +170,8 @@ class Stepper final : public Simulation {
 
   /// v_p and x_p from the nodes; then the particles give mass and momentum to the nodes where they are now.
   void move_particles(double dt) {
-    const double alpha = numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+    const double alpha =
+        numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
     drift_ += node_speed_ * dt / domain_.h;
     const bool reorder = drift_ > largest_drift;
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
@@ -166,14 +181,16 @@ class Stepper final : public Simulation {
     });
     take(total);
     ledger_.numerical -= ledger_.kinetic;
-    if (total.bad) stop("a particle has left the domain", [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.position_of(i))); });
+    if (total.bad)
+      stop("a particle has left the domain",
+           [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.position_of(i))); });
     if (reorder) {
       arrange();
       over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
     }
   }
 
-  // ---- one tile ------------------------------------------------------------------------------------------------
+  // ---- one tile --------------------------------------------------------------------------------------------------
 
   CellFinder<Dim> cells_of(int t) const { return {domain_.origin, 1 / domain_.h, grid_.tile(t).place}; }
 
@@ -267,7 +284,7 @@ class Stepper final : public Simulation {
     }
   }
 
-  // ---- all tiles -----------------------------------------------------------------------------------------------
+  // ---- all tiles -------------------------------------------------------------------------------------------------
 
   /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
   template <class F>
@@ -328,13 +345,15 @@ class Stepper final : public Simulation {
     for (const auto& body : bodies_)
       for (int i = 0; i < body.particles.size(); ++i) {
         if (!is_bad(body, i)) continue;
-        throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}", what, ledger_.time, ledger_.step, ledger_.dt, describe(body, i)));
+        throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}", what, ledger_.time, ledger_.step,
+                                   ledger_.dt, describe(body, i)));
       }
     throw RunError(what);
   }
 
-  /// Distance in cells that a particle may go before particles are put in cell order again. Below half a cell, beyond which windows end; a tenth, because where
-  /// compression is averaged, particles that have left their tile still count as in its nearest cell.
+  /// Distance in cells that a particle may go before particles are put in cell order again. Below half a cell, beyond
+  /// which windows end; a tenth, because where compression is averaged, particles that have left their tile still count
+  /// as in its nearest cell.
   static constexpr double largest_drift = 0.1;
 
   Domain<Dim> domain_;

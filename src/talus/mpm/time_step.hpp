@@ -17,8 +17,8 @@ struct StepBounds {
   double acceleration;  ///< that acts from outside, gravity [m/s2]
 };
 
-/// The step [s]: waves and particles stay within a share of a cell, collisional stress diffuses stably, and from rest without stiffness
-/// gravity may not carry a particle further than that share either.
+/// The step [s]: waves and particles stay within a share of a cell, collisional stress diffuses stably, and from rest
+/// without stiffness gravity may not carry a particle further than that share either.
 inline double stable_step(const StepBounds& b) {
   // 1.3: particles move with the nodes' velocity, which the step may still change.
   const double speed = b.wave_speed + 1.3 * b.speed;

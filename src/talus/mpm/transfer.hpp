@@ -2,8 +2,8 @@
 /// What particles and nodes tell each other, for the particles of one tile.
 
 #include "talus/math/tensor.hpp"
-#include "talus/mpm/shape.hpp"
 #include "talus/mpm/cell_order.hpp"
+#include "talus/mpm/shape.hpp"
 
 namespace talus {
 
@@ -32,7 +32,8 @@ inline NodeValue madd(double w, NodeValue a, NodeValue sum) { return multiply_ad
 
 /// Sum of N_I value_I, of two fields at once.
 template <int Dim, class Shape>
-void interpolate(const ParticleWeights<Dim, Shape>& w, const NodeValue* a, const NodeValue* b, NodeValue& at_a, NodeValue& at_b) {
+void interpolate(const ParticleWeights<Dim, Shape>& w, const NodeValue* a, const NodeValue* b, NodeValue& at_a,
+                 NodeValue& at_b) {
   using detail::madd;
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
   at_a = at_b = zero_node();

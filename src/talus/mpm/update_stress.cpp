@@ -37,7 +37,8 @@ inline Tensor<Pack> load_gradient(const Scratch& scratch, int i) {
 
 /// The mean over each cell, weighted with volume, of the elastic compression and of the rate of volume change.
 template <class Law, int Dim>
-void average_over_cells(const Law& law, const Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells, Scratch& s) {
+void average_over_cells(const Law& law, const Particles<Dim>& particles, const TileParticles& tile,
+                        const CellFinder<Dim>& cells, Scratch& s) {
   constexpr int n_cells = power(tile_edge, Dim);
   static_assert(n_cells % pack_width == 0);
   double volume[n_cells] = {}, x[n_cells] = {}, rate[n_cells] = {}, p[n_cells];
@@ -65,10 +66,11 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
   }
 }
 
-/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times stress there.
+/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times
+/// stress there.
 template <class Law, int Dim>
-void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s,
-                 TileSums& sums) {
+void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells,
+                 const StressUpdate& how, Scratch& s, TileSums& sums) {
   using State = typename Law::template State<Pack>;
   const int n = tile.size();
   const bool averages = how.average_pressure && AveragesCompression<Law>;
@@ -78,7 +80,8 @@ void update_with(const Law& law, Particles<Dim>& particles, const TileParticles&
         const int count = std::min(pack_width, n - i);
         const State state = load_states<State>(particles, tile.begin + i, count);
         store(s.x, i, Law::compression(state));
-        store(s.volume, i, load_some(particles.reference_volume() + tile.begin + i, count) * law.specific_volume(state));
+        store(s.volume, i,
+              load_some(particles.reference_volume() + tile.begin + i, count) * law.specific_volume(state));
       }
       average_over_cells(law, particles, tile, cells, s);
     }
@@ -130,12 +133,14 @@ void update_with(const Law& law, Particles<Dim>& particles, const TileParticles&
 }  // namespace
 
 template <int Dim>
-void update_stress(const AnyLaw& any_law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells, const StressUpdate& how,
-                   Scratch& s, TileSums& sums) {
+void update_stress(const AnyLaw& any_law, Particles<Dim>& particles, const TileParticles& tile,
+                   const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
   std::visit([&](const auto& law) { update_with(law, particles, tile, cells, how, s, sums); }, any_law);
 }
 
-template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&, const StressUpdate&, Scratch&, TileSums&);
-template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&, const StressUpdate&, Scratch&, TileSums&);
+template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,
+                            const StressUpdate&, Scratch&, TileSums&);
+template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&,
+                            const StressUpdate&, Scratch&, TileSums&);
 
 }  // namespace talus

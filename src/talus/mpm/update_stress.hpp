@@ -26,7 +26,7 @@ struct TileSums {
   double node_speed2 = 0;       ///< largest squared speed of a node after the step [m2/s2]
   int n_separated = 0;
   int n_unconverged = 0;
-  bool bad = false;             ///< a particle is not finite or has left the domain
+  bool bad = false;  ///< a particle is not finite or has left the domain
 
   void add(const TileSums& other);
 };
@@ -55,11 +55,11 @@ inline void TileSums::add(const TileSums& o) {
 
 /// Working space of one thread, as long as the largest tile.
 struct Scratch {
-  std::vector<double> gradient[3][3];  ///< velocity gradient L [1/s]
-  std::vector<double> flux[6];         ///< volume times stress [J], tension-positive
-  std::vector<double> x, volume;       ///< elastic compression and volume of the particles
+  std::vector<double> gradient[3][3];             ///< velocity gradient L [1/s]
+  std::vector<double> flux[6];                    ///< volume times stress [J], tension-positive
+  std::vector<double> x, volume;                  ///< elastic compression and volume of the particles
   std::vector<double> mean_x, mean_p, mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
-  std::vector<int> cell;                ///< of the particle, in its tile
+  std::vector<int> cell;                          ///< of the particle, in its tile
 
   void resize(int n) {
     n += pack_width;  // the last pack may reach beyond the last particle
@@ -81,24 +81,28 @@ struct StressUpdate {
 /// Finds the cell of a tile that a place lies in; places beside the tile count as in its nearest cell.
 template <int Dim>
 struct CellFinder {
-  Vec<Dim> origin;  ///< of the grid [m]
+  Vec<Dim> origin;    ///< of the grid [m]
   double per_length;  ///< cells per metre
   Index<Dim> tile;
 
   int at(const Vec<Dim>& x) const {
     int cell = 0;
     for (int a = Dim - 1; a >= 0; --a)
-      cell = tile_edge * cell + std::clamp(cell_of((x[a] - origin[a]) * per_length) - tile_edge * tile[a], 0, tile_edge - 1);
+      cell = tile_edge * cell +
+             std::clamp(cell_of((x[a] - origin[a]) * per_length) - tile_edge * tile[a], 0, tile_edge - 1);
     return cell;
   }
 };
 
-/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times stress there.
+/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times
+/// stress there.
 template <int Dim>
-void update_stress(const AnyLaw& law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells,
-                   const StressUpdate& how, Scratch& s, TileSums& sums);
+void update_stress(const AnyLaw& law, Particles<Dim>& particles, const TileParticles& tile,
+                   const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums);
 
-extern template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&, const StressUpdate&, Scratch&, TileSums&);
-extern template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&, const StressUpdate&, Scratch&, TileSums&);
+extern template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,
+                                   const StressUpdate&, Scratch&, TileSums&);
+extern template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&,
+                                   const StressUpdate&, Scratch&, TileSums&);
 
 }  // namespace talus

@@ -5,8 +5,9 @@
 
 namespace talus {
 
-/// Outline of what is connected. Space is cut into strips as wide as a cell; from the strip with the middle of the mass outwards, the body ends at the first strip
-/// without particles. A few grains thrown far ahead do not count. Surfaces lie half a particle beyond the particles' places.
+/// Outline of what is connected. Space is cut into strips as wide as a cell; from the strip with the middle of the mass
+/// outwards, the body ends at the first strip without particles. A few grains thrown far ahead do not count. Surfaces
+/// lie half a particle beyond the particles' places.
 struct Outline {
   double front_min[2] = {0, 0};  ///< along x, and y in 3D [m]
   double front_max[2] = {0, 0};  ///< [m]

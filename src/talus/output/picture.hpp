@@ -15,8 +15,9 @@ struct Picture {
   std::string caption;
 };
 
-/// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, those of them that the laws tell. In 3D it shows the slice through
-/// the middle. Data (instant_0.csv ...) and scripts (speed.gp ...) stay in the folder.
+/// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, those of them
+/// that the laws tell. In 3D it shows the slice through the middle. Data (instant_0.csv ...) and scripts (speed.gp ...)
+/// stay in the folder.
 class PictureBook {
  public:
   PictureBook(std::filesystem::path folder, const Case& what);

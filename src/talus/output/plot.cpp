@@ -55,22 +55,26 @@ std::string quoted(const std::string& text) {
 
 std::string even_palette() {
   // Ten samples of viridis (Smith and van der Walt 2015, public domain).
-  return "set palette defined (0 '#440154', 1 '#482878', 2 '#3e4a89', 3 '#31688e', 4 '#26828e', 5 '#1f9e89', 6 '#35b779', 7 '#6dcd59', 8 '#b4de2c', 9 '#fde725')\n";
+  return "set palette defined (0 '#440154', 1 '#482878', 2 '#3e4a89', 3 '#31688e', 4 '#26828e', 5 '#1f9e89', 6 "
+         "'#35b779', 7 '#6dcd59', 8 '#b4de2c', 9 '#fde725')\n";
 }
 
 bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart) {
   const std::filesystem::path script = folder / (chart.name + ".gp");
   // Colours that remain distinct for the colour-blind (Okabe and Ito 2008).
-  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"};
+  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                            "#e69f00", "#56b4e9", "#000000"};
   std::ofstream out(script);
   out << "set terminal svg size 640,400 font 'sans,12' background '#ffffff'\n"
       << "set output " << quoted((folder / (chart.name + ".svg")).string()) << "\n"
-      << "set datafile separator ','\nset key outside bottom center horizontal\nset grid lc '#dddddd'\nset border 3\nset tics nomirror\n"
+      << "set datafile separator ','\nset key outside bottom center horizontal\nset grid lc '#dddddd'\nset border "
+         "3\nset tics nomirror\n"
       << "set xlabel " << quoted(chart.x_label) << "\nset ylabel " << quoted(chart.y_label) << "\n";
   std::vector<std::string> plots;
   for (std::size_t i = 0; i < chart.curves.size(); ++i)
-    plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}", quoted(csv.string()), chart.x_column, chart.x_scale,
-                                chart.curves[i].column, chart.y_scale, colours[i % 7], quoted(chart.curves[i].label)));
+    plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}",
+                                quoted(csv.string()), chart.x_column, chart.x_scale, chart.curves[i].column,
+                                chart.y_scale, colours[i % 7], quoted(chart.curves[i].label)));
   out << "plot " << fmt::format("{}", fmt::join(plots, ", \\\n     ")) << "\n";
   out.close();
   return run_gnuplot(script);

@@ -7,10 +7,12 @@
 
 namespace talus {
 
-/// Runs a gnuplot script in its own folder. False if gnuplot is not installed; throws std::runtime_error with its message if the script fails.
+/// Runs a gnuplot script in its own folder. False if gnuplot is not installed; throws std::runtime_error with its
+/// message if the script fails.
 bool run_gnuplot(const std::filesystem::path& script);
 
-/// Colours from dark to bright that are told apart equally well along the whole scale, also in grey (viridis, sampled), as a gnuplot palette.
+/// Colours from dark to bright that are told apart equally well along the whole scale, also in grey (viridis, sampled),
+/// as a gnuplot palette.
 std::string even_palette();
 
 /// One curve of a chart: a column of a CSV file against another, both counted from 1, scaled for display.
@@ -19,7 +21,7 @@ struct Curve {
   std::string label;
 };
 struct Chart {
-  std::string name;     ///< of the files: NAME.svg, NAME.gp
+  std::string name;  ///< of the files: NAME.svg, NAME.gp
   std::string x_label, y_label;
   double x_scale = 1, y_scale = 1;
   int x_column = 1;

@@ -1,10 +1,10 @@
 #include "talus/output/report.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
@@ -41,8 +41,10 @@ std::string base64(const std::string& bytes) {
   out.reserve(bytes.size() * 4 / 3 + 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
     unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k) group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k) out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
   }
   return out;
 }
@@ -50,12 +52,15 @@ std::string base64(const std::string& bytes) {
 /// An image as a part of the page.
 std::string embedded(const Picture& picture) {
   const bool svg = picture.file.extension() == ".svg";
-  return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"><figcaption>{}</figcaption></figure>\n", escaped(picture.caption),
-                     svg ? "svg+xml" : "png", base64(contents(picture.file)), escaped(picture.caption));
+  return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"><figcaption>{}</figcaption></figure>\n",
+                     escaped(picture.caption), svg ? "svg+xml" : "png", base64(contents(picture.file)),
+                     escaped(picture.caption));
 }
 
 /// A share of the energy turned over, as a percentage; a dash where nothing moved.
-std::string share(double part, const Ledger& l) { return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;"; }
+std::string share(double part, const Ledger& l) {
+  return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;";
+}
 
 constexpr const char* style = R"(
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
@@ -75,15 +80,23 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
   const Ledger& l = run.ledger;
   const double energy = l.turnover;
   if (what.numerics.transfer == Transfer::flip && what.numerics.flip_share < 1)
-    warnings.push_back("The result depends on the time step by construction: a fixed share of the particles' velocity is dropped every step. Use transfer = \"flip_tau\".");
+    warnings.push_back(
+        "The result depends on the time step by construction: a fixed share of the particles' velocity is dropped "
+        "every step. Use transfer = \"flip_tau\".");
   if (energy > 0 && std::abs(l.error()) > 0.01 * energy)
-    warnings.push_back(fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.", 100 * std::abs(l.error()) / energy));
+    warnings.push_back(
+        fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
+                    100 * std::abs(l.error()) / energy));
   if (energy > 0 && l.numerical + l.averaging > 0.25 * energy)
-    warnings.push_back(fmt::format("Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.", 100 * (l.numerical + l.averaging) / energy));
+    warnings.push_back(fmt::format(
+        "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
+        100 * (l.numerical + l.averaging) / energy));
   if (l.n_unconverged > 0) warnings.push_back(fmt::format("{} stress updates did not converge.", l.n_unconverged));
   if (l.n_separated > 0.2 * double(run.n_particles))
-    warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.", 100.0 * l.n_separated / double(run.n_particles)));
-  if (l.plastic > 0 && l.kinetic > 0.01 * energy) warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
+    warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
+                                   100.0 * l.n_separated / double(run.n_particles)));
+  if (l.plastic > 0 && l.kinetic > 0.01 * energy)
+    warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
   return warnings;
 }
 
@@ -92,7 +105,8 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   record["talus"] = version();
   record["build"] = build();
   record["case_file"] = run.case_file;
-  for (const Understood& u : run.understood) record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
+  for (const Understood& u : run.understood)
+    record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
   record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
   const Ledger& l = run.ledger;
   record["run"] = {{"outcome", run.failure.empty() ? "finished" : "failed"},
@@ -102,15 +116,23 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                    {"simulated_seconds", l.time},
                    {"wall_seconds", run.wall_seconds},
                    {"cpu_seconds", run.cpu_seconds},
-                   {"particle_steps_per_wall_second", run.wall_seconds > 0 ? double(run.n_particles) * double(l.step) / run.wall_seconds : 0},
-                   {"particle_steps_per_cpu_second", run.cpu_seconds > 0 ? double(run.n_particles) * double(l.step) / run.cpu_seconds : 0},
+                   {"particle_steps_per_wall_second",
+                    run.wall_seconds > 0 ? double(run.n_particles) * double(l.step) / run.wall_seconds : 0},
+                   {"particle_steps_per_cpu_second",
+                    run.cpu_seconds > 0 ? double(run.n_particles) * double(l.step) / run.cpu_seconds : 0},
                    {"bytes_per_particle", run.n_particles > 0 ? double(run.bytes) / double(run.n_particles) : 0},
                    {"snapshots", run.n_snapshots},
                    {"warnings", run.warnings}};
-  record["ledger_joule"] = {{"initial", l.initial},       {"kinetic", l.kinetic},         {"potential", l.potential}, {"elastic", l.elastic},
-                            {"plastic", l.plastic},       {"collisional", l.collisional}, {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover}, {"error", l.error()}};
+  record["ledger_joule"] = {{"initial", l.initial},     {"kinetic", l.kinetic},     {"potential", l.potential},
+                            {"elastic", l.elastic},     {"plastic", l.plastic},     {"collisional", l.collisional},
+                            {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover},
+                            {"error", l.error()}};
   const auto outline = [](const Outline& o) {
-    return nlohmann::ordered_json{{"front_x_min", o.front_min[0]}, {"front_x_max", o.front_max[0]}, {"front_radius", o.radius}, {"height", o.height}, {"height_at_axis", o.height_at_axis}};
+    return nlohmann::ordered_json{{"front_x_min", o.front_min[0]},
+                                  {"front_x_max", o.front_max[0]},
+                                  {"front_radius", o.radius},
+                                  {"height", o.height},
+                                  {"height_at_axis", o.height_at_axis}};
   };
   record["outline_metre"] = {{"start", outline(run.start)}, {"end", outline(run.end)}};
   std::ofstream out(file);
@@ -118,23 +140,30 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run, const std::vector<Picture>& pictures,
-                  const std::vector<Picture>& charts) {
+void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run,
+                  const std::vector<Picture>& pictures, const std::vector<Picture>& charts) {
   const Ledger& l = run.ledger;
   std::ostringstream page;
-  page << "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\"><title>" << escaped(what.title)
-       << "</title><style>" << style << "</style></head><body>\n<h1>" << escaped(what.title) << "</h1>\n<p>"
-       << escaped(fmt::format("talus {} \u2013 {} particles, {} steps, {:.4g} s simulated in {:.1f} s on {} thread{}.", version(), run.n_particles, l.step, l.time,
-                              run.wall_seconds, run.n_threads, run.n_threads == 1 ? "" : "s"))
+  page << "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
+          "content=\"width=device-width\"><title>"
+       << escaped(what.title) << "</title><style>" << style << "</style></head><body>\n<h1>" << escaped(what.title)
+       << "</h1>\n<p>"
+       << escaped(fmt::format("talus {} \u2013 {} particles, {} steps, {:.4g} s simulated in {:.1f} s on {} thread{}.",
+                              version(), run.n_particles, l.step, l.time, run.wall_seconds, run.n_threads,
+                              run.n_threads == 1 ? "" : "s"))
        << "</p>\n";
-  if (!run.failure.empty()) page << "<div class=\"warning\"><b>The run failed.</b><pre>" << escaped(run.failure) << "</pre></div>\n";
+  if (!run.failure.empty())
+    page << "<div class=\"warning\"><b>The run failed.</b><pre>" << escaped(run.failure) << "</pre></div>\n";
   for (const std::string& w : run.warnings) page << "<div class=\"warning\">" << escaped(w) << "</div>\n";
-  if (run.failure.empty() && run.warnings.empty()) page << "<div class=\"warning good\">The run ended as it should: the ledger closes, and nothing calls for a warning.</div>\n";
+  if (run.failure.empty() && run.warnings.empty())
+    page << "<div class=\"warning good\">The run ended as it should: the ledger closes, and nothing calls for a "
+            "warning.</div>\n";
 
   const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
   page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
   const auto row = [&](const char* name, double a, double b) {
-    page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, millimetres(a), millimetres(b));
+    page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, millimetres(a),
+                        millimetres(b));
   };
   row("left front, x", run.start.front_min[0], run.end.front_min[0]);
   row("right front, x", run.start.front_max[0], run.end.front_max[0]);
@@ -153,9 +182,11 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
     page << "</div>\n";
   }
 
-  page << "<h2>Energy</h2>\n<p>Of " << fmt::format("{:.4g} J", l.turnover) << (what.dim == 2 ? " per metre of thickness" : "") << " that were turned over:</p>\n<table>\n";
+  page << "<h2>Energy</h2>\n<p>Of " << fmt::format("{:.4g} J", l.turnover)
+       << (what.dim == 2 ? " per metre of thickness" : "") << " that were turned over:</p>\n<table>\n";
   const auto energy = [&](const char* name, double joule) {
-    page << fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule, share(joule, l));
+    page << fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule,
+                        share(joule, l));
   };
   energy("is still kinetic", l.kinetic);
   energy("is stored elastically", l.elastic);
@@ -168,16 +199,23 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
 
   page << "<h2>The case as it was understood</h2>\n<p>Grey: defaults.</p>\n<table>\n";
   for (const Understood& u : run.understood)
-    page << fmt::format("<tr{}><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n", u.by_default ? " class=\"d\"" : "", escaped(u.path), escaped(u.value), escaped(u.meaning));
-  page << "</table>\n<h2>The case file</h2>\n<p><code>" << escaped(run.case_file) << "</code></p>\n<pre>" << escaped(run.case_text) << "</pre>\n";
+    page << fmt::format("<tr{}><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n",
+                        u.by_default ? " class=\"d\"" : "", escaped(u.path), escaped(u.value), escaped(u.meaning));
+  page << "</table>\n<h2>The case file</h2>\n<p><code>" << escaped(run.case_file) << "</code></p>\n<pre>"
+       << escaped(run.case_text) << "</pre>\n";
   page << "<h2>Record</h2>\n<table>\n";
-  const auto fact = [&](const char* name, const std::string& value) { page << fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", name, escaped(value)); };
+  const auto fact = [&](const char* name, const std::string& value) {
+    page << fmt::format("<tr><td>{}</td><td>{}</td></tr>\n", name, escaped(value));
+  };
   fact("version", version());
   fact("build", build());
   fact("processor", processor());
-  fact("particle-steps per second", fmt::format("{:.3g} (wall), {:.3g} (per CPU-second)", double(run.n_particles) * double(l.step) / std::max(run.wall_seconds, 1e-9),
-                                                double(run.n_particles) * double(l.step) / std::max(run.cpu_seconds, 1e-9)));
-  fact("memory of particles and grid", fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
+  fact("particle-steps per second",
+       fmt::format("{:.3g} (wall), {:.3g} (per CPU-second)",
+                   double(run.n_particles) * double(l.step) / std::max(run.wall_seconds, 1e-9),
+                   double(run.n_particles) * double(l.step) / std::max(run.cpu_seconds, 1e-9)));
+  fact("memory of particles and grid",
+       fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
   fact("snapshots", fmt::format("{}, listed in particles.hdf.series", run.n_snapshots));
   page << "</table>\n</body></html>\n";
   std::ofstream out(file);

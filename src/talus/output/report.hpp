@@ -1,8 +1,9 @@
 #pragma once
 /// record.json and report.html: what was asked, what was done, what came out.
 
-#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -35,7 +36,7 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
 void write_record(const std::filesystem::path& file, const RunSummary& run);
 
 /// A page that opens without network and without other files.
-void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run, const std::vector<Picture>& pictures,
-                  const std::vector<Picture>& charts);
+void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run,
+                  const std::vector<Picture>& pictures, const std::vector<Picture>& charts);
 
 }  // namespace talus

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 #include <hdf5.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <numeric>
 #include <stdexcept>
 
@@ -37,12 +37,14 @@ void write_text_attribute(hid_t object, const char* name, const std::string& tex
   const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a text type");
   check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), "size a text");
   const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a scalar");
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make an attribute");
+  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         "make an attribute");
   check(H5Awrite(attribute, type, text.empty() ? " " : text.data()), "write an attribute");
 }
 
 template <class T>
-void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, const std::vector<T>& values, int components, const Field* field = nullptr) {
+void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, const std::vector<T>& values,
+                   int components, const Field* field = nullptr) {
   const hsize_t dims[2] = {values.size() / components, hsize_t(components)};
   const Handle space(H5Screate_simple(components > 1 ? 2 : 1, dims, nullptr), H5Sclose, "make a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
@@ -52,7 +54,8 @@ void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, con
     H5Pset_shuffle(properties);
     H5Pset_deflate(properties, 1);
   }
-  const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose, "make a dataset");
+  const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                   "make a dataset");
   if (!values.empty()) check(H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
   if (field) {
     write_text_attribute(set, "units", field->unit);
@@ -66,7 +69,8 @@ void write_file(const std::filesystem::path& path, const Observation& seen, cons
   {
     const hsize_t two = 2;
     const Handle space(H5Screate_simple(1, &two, nullptr), H5Sclose, "make a space");
-    const Handle version(H5Acreate2(root, "Version", H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose, "make an attribute");
+    const Handle version(H5Acreate2(root, "Version", H5T_STD_I64LE, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                         "make an attribute");
     const long long one_zero[2] = {1, 0};
     check(H5Awrite(version, H5T_NATIVE_LLONG, one_zero), "write an attribute");
   }
@@ -85,7 +89,8 @@ void write_file(const std::filesystem::path& path, const Observation& seen, cons
 
   const Handle data(H5Gcreate2(root, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   for (const std::string& name : names)
-    if (const Field* f = seen.find(name)) write_dataset(data, name.c_str(), H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values, f->components, f);
+    if (const Field* f = seen.find(name))
+      write_dataset(data, name.c_str(), H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values, f->components, f);
 
   const Handle run(H5Gcreate2(file, "talus", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time}, 1);
@@ -95,7 +100,8 @@ void write_file(const std::filesystem::path& path, const Observation& seen, cons
 
 }  // namespace
 
-void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields) {
+void write_snapshot(const std::filesystem::path& file, const Observation& seen,
+                    const std::vector<std::string>& fields) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
   std::filesystem::path unfinished = file;
   unfinished += ".unfinished";

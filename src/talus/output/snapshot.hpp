@@ -1,8 +1,9 @@
 #pragma once
 /// Snapshots of all particles, for ParaView and for scripts.
 ///
-/// Each is an HDF5 file in VTK's layout (VTKHDF 1.0, UnstructuredGrid of vertices), a field a dataset under VTKHDF/PointData with the attributes `units`
-/// and `meaning`. ParaView opens the time series by the one file NAME.hdf.series beside them.
+/// Each is an HDF5 file in VTK's layout (VTKHDF 1.0, UnstructuredGrid of vertices), a field a dataset under
+/// VTKHDF/PointData with the attributes `units` and `meaning`. ParaView opens the time series by the one file
+/// NAME.hdf.series beside them.
 
 #include <filesystem>
 #include <string>
@@ -12,14 +13,16 @@
 
 namespace talus {
 
-/// Writes the fields with the given names (those that exist) and the positions. The file appears whole or not at all. Throws std::runtime_error if it cannot be written.
+/// Writes the fields with the given names (those that exist) and the positions. The file appears whole or not at all.
+/// Throws std::runtime_error if it cannot be written.
 void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields);
 
 /// The snapshots of a run: numbered files and the series file that lists them with their times.
 class SnapshotSeries {
  public:
   /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series.
-  SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields) : folder_(std::move(folder)), fields_(std::move(fields)) {}
+  SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields)
+      : folder_(std::move(folder)), fields_(std::move(fields)) {}
   void add(const Observation& seen);
   /// The last file written; empty if none was.
   std::filesystem::path last() const { return files_.empty() ? std::filesystem::path() : folder_ / files_.back(); }

@@ -1,0 +1,181 @@
+/// The program as its users meet it: what it prints, what it writes, how it ends.
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Finished {
+  int code;
+  std::string output;  ///< both streams
+};
+Finished talus(const std::string& arguments) {
+  FILE* pipe = ::popen((std::string(TALUS_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+  std::string output;
+  std::array<char, 4096> buffer;
+  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) output.append(buffer.data(), n);
+  const int status = ::pclose(pipe);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
+}
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+std::string contents(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+class Program : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("talus_" + std::to_string(::getpid()) + "_" +
+                                           testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string in(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name) << text;
+    return in(name);
+  }
+  fs::path folder_;
+};
+const std::string cases = TALUS_SOURCE_DIR "/cases/";
+
+TEST_F(Program, EveryCaseThatShipsRunsTenSteps) {
+  for (const auto& entry : fs::directory_iterator(cases)) {
+    if (entry.path().extension() != ".toml" || has(entry.path().stem(), "wide")) continue;
+    // ten steps of some 0.1 ms each or less; the large cylinder is cut short after a few
+    const std::string until = has(entry.path().stem(), "slump")      ? "0.2 ms"
+                              : has(entry.path().stem(), "cylinder") ? "0.5 ms"
+                                                                     : "25 ms";
+    const Finished run =
+        talus("run " + entry.path().string() + " --until '" + until + "' --out " + in(entry.path().stem()));
+    EXPECT_EQ(run.code, 0) << run.output;
+    const auto record = nlohmann::json::parse(contents(folder_ / entry.path().stem() / "record.json"));
+    EXPECT_EQ(record["run"]["outcome"], "finished");
+    EXPECT_GE(record["run"]["steps"], 5) << entry.path();
+  }
+}
+
+TEST_F(Program, ARunLeavesEverythingItShould) {
+  const Finished run = talus("run " + cases + "elastic_bar.toml --threads 2 --out " + in("bar"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "report:")) << run.output;
+  EXPECT_TRUE(has(run.output, "picture:")) << run.output;
+  const fs::path out = folder_ / "bar";
+  for (const char* file :
+       {"case.toml", "history.csv", "record.json", "report.html", "particles.hdf.series", "particles_0000.hdf",
+        "pictures/speed.png", "pictures/speed.gp", "pictures/instant_0.csv", "pictures/front.svg"})
+    EXPECT_TRUE(fs::exists(out / file)) << file;
+  EXPECT_EQ(contents(out / "case.toml"), contents(cases + "elastic_bar.toml"));
+  const std::string history = contents(out / "history.csv");
+  EXPECT_EQ(history.rfind("time [s],step,dt [s],front_x_min [m],", 0), 0u);
+  EXPECT_GT(std::count(history.begin(), history.end(), '\n'), 700);  // a row every step, which is longer than asked for
+  const std::string report = contents(out / "report.html");
+  EXPECT_TRUE(has(report, "data:image/png;base64,"));
+  EXPECT_TRUE(has(report, "data:image/svg+xml;base64,"));
+  EXPECT_FALSE(has(report, "src=\"http")) << "the report must not need a network";
+  const auto record = nlohmann::json::parse(contents(out / "record.json"));
+  EXPECT_EQ(record["case"]["material.rubber.E"]["value"], "10000 kPa");
+  EXPECT_EQ(record["run"]["particles"], 320);
+}
+
+TEST_F(Program, ResultsAreNotOverwrittenUnasked) {
+  const std::string run = "run " + cases + "free_fall.toml --until '5 ms' --out " + in("fall");
+  ASSERT_EQ(talus(run).code, 0);
+  const std::string before = contents(folder_ / "fall/history.csv");
+  const Finished again = talus(run + " --threads 1");
+  EXPECT_EQ(again.code, 2);
+  EXPECT_TRUE(has(again.output, "holds results already")) << again.output;
+  EXPECT_EQ(contents(folder_ / "fall/history.csv"), before);
+  EXPECT_EQ(talus(run + " --overwrite").code, 0);
+}
+
+TEST_F(Program, MistakesInTheInputEndWithCode2BeforeAnythingIsWritten) {
+  std::string text = contents(cases + "free_fall.toml");
+  text.replace(text.find("phi = \"30 deg\""), 14, "phi = \"30 kPa\"");
+  text.replace(text.find("spacing"), 7, "spacng ");
+  const Finished run = talus("run " + write("wrong.toml", text) + " --out " + in("out"));
+  EXPECT_EQ(run.code, 2);
+  EXPECT_TRUE(has(run.output, "wrong.toml:")) << run.output;
+  EXPECT_TRUE(has(run.output, "is not an angle")) << run.output;
+  EXPECT_TRUE(has(run.output, "did you mean `spacing`")) << run.output;
+  EXPECT_TRUE(has(run.output, "mistakes in the input; nothing was run")) << run.output;
+  EXPECT_FALSE(fs::exists(folder_ / "out"));
+}
+
+TEST_F(Program, ARunThatBreaksEndsWithCode3AndLeavesTheLastGoodSnapshot) {
+  std::string text = contents(cases + "free_fall.toml");
+  text.replace(text.find("end = \"0.3 s\""), 13, "end = \"1 s\"");
+  const Finished run = talus("run " + write("falls_out.toml", text) + " --out " + in("out"));
+  EXPECT_EQ(run.code, 3);
+  for (const char* part :
+       {"left the domain", "particle ", "block", "position", "velocity", "last good snapshot is", "failure.hdf"})
+    EXPECT_TRUE(has(run.output, part)) << part << "\n" << run.output;
+  EXPECT_TRUE(fs::exists(folder_ / "out/failure.hdf"));
+  EXPECT_TRUE(fs::exists(folder_ / "out/particles_0001.hdf"));
+  EXPECT_TRUE(has(contents(folder_ / "out/report.html"), "The run failed"));
+  EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["outcome"], "failed");
+}
+
+TEST_F(Program, CheckSaysWhatWasUnderstoodAndWhatItWillTake) {
+  const Finished check = talus("check " + cases + "elastic_bar.toml");
+  EXPECT_EQ(check.code, 0);
+  for (const char* part : {"material.rubber.E", "10000 kPa", "[default]", "particles           320", "cells",
+                           "first stable step", "expected steps", "memory", "expected duration"})
+    EXPECT_TRUE(has(check.output, part)) << part << "\n" << check.output;
+}
+
+TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
+  const Finished list = talus("list");
+  EXPECT_EQ(list.code, 0);
+  for (const char* part : {"granular", "simsand", "mu_i", "mohr_coulomb", "linear_elastic", "Phi_c", "quadratic",
+                           "linear", "flip_tau", "no_slip", "kg/m3", "at most 48 deg"})
+    EXPECT_TRUE(has(list.output, part)) << part;
+}
+
+TEST_F(Program, AnElementTestWritesACsvWithUnits) {
+  const std::string test = write("shear.toml", R"(title = "Simple shear of an elastic material"
+[material]
+law = "linear_elastic"
+E = "10 MPa"
+nu = 0.25
+[initial]
+pressure = "100 kPa"
+[[segment]]
+test = "simple_shear"
+drainage = "undrained"
+shear_strain = 0.001
+rows = 4
+)");
+  const Finished to_screen = talus("element " + test);
+  EXPECT_EQ(to_screen.code, 0) << to_screen.output;
+  EXPECT_EQ(to_screen.output.rfind("time [s],strain_xx,strain_yy,", 0), 0u) << to_screen.output;
+  EXPECT_EQ(talus("element " + test + " --out " + in("shear.csv")).code, 0);
+  EXPECT_EQ(contents(in("shear.csv")), to_screen.output);
+  EXPECT_EQ(std::count(to_screen.output.begin(), to_screen.output.end(), '\n'), 6);  // header, start, four rows
+}
+
+TEST_F(Program, WhatItDoesNotKnowItSays) {
+  const Finished command = talus("rnu x.toml");
+  EXPECT_EQ(command.code, 2);
+  EXPECT_TRUE(has(command.output, "did you mean `run`?")) << command.output;
+  EXPECT_EQ(talus("run").code, 2);
+  EXPECT_EQ(talus("run no_such_file.toml").code, 2);
+  EXPECT_EQ(talus("run " + cases + "free_fall.toml --thread 2").code, 2);
+  EXPECT_EQ(talus("run " + cases + "free_fall.toml --until 3 --out " + in("x")).code, 2);
+  EXPECT_EQ(talus("").code, 2);
+  EXPECT_EQ(talus("--help").code, 0);
+  EXPECT_EQ(talus("--version").code, 0);
+}
+
+}  // namespace

@@ -1,0 +1,31 @@
+#include "talus/base/text.hpp"
+
+#include <gtest/gtest.h>
+
+namespace talus {
+namespace {
+
+TEST(Text, FindsWhatWasMeant) {
+  const std::vector<std::string_view> keys = {"Phi_c", "phi_c", "dPhi", "spacing", "initial_stress", "no_slip"};
+  EXPECT_EQ(most_alike("Phi_C", keys), "Phi_c");
+  EXPECT_EQ(most_alike("phi_C", keys), "phi_c");
+  EXPECT_EQ(most_alike("spaceing", keys), "spacing");
+  EXPECT_EQ(most_alike("inital_stress", keys), "initial_stress");
+  EXPECT_EQ(most_alike("stress", keys), "initial_stress");
+  EXPECT_EQ(most_alike("noslip", keys), "no_slip");
+}
+
+TEST(Text, SuggestsNothingForSomethingElseAltogether) {
+  EXPECT_EQ(most_alike("elephant", {"Phi_c", "spacing"}), "");
+  EXPECT_EQ(most_alike("", {"Phi_c"}), "");
+  EXPECT_EQ(most_alike("x", {}), "");
+}
+
+TEST(Text, ListsWords) {
+  EXPECT_EQ(any_of({"a"}), "`a`");
+  EXPECT_EQ(any_of({"a", "b"}), "`a` or `b`");
+  EXPECT_EQ(any_of({"a", "b", "c"}), "`a`, `b` or `c`");
+}
+
+}  // namespace
+}  // namespace talus

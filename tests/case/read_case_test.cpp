@@ -1,0 +1,177 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "talus/case/read.hpp"
+
+namespace talus {
+namespace {
+
+std::string text_of(const std::filesystem::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// The slump, with one text replaced by another.
+std::string slump(const std::string& what = "", const std::string& with = "") {
+  std::string text = text_of(TALUS_SOURCE_DIR "/cases/slump_2d.toml");
+  if (!what.empty()) {
+    const auto at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    text.replace(at, what.size(), with);
+  }
+  return text;
+}
+
+/// All complaints about a text, a line each.
+std::string complaints(const std::string& text) {
+  try {
+    read_case_text("case.toml", text);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  ADD_FAILURE() << "was accepted:\n" << text;
+  return "";
+}
+
+void expect_complaint(const std::string& what, const std::string& with, const std::string& part) {
+  const std::string said = complaints(slump(what, with));
+  EXPECT_NE(said.find(part), std::string::npos) << "expected: " << part << "\nsaid:     " << said;
+}
+
+TEST(ReadCase, UnderstandsTheSlump) {
+  const CaseFile file = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml");
+  const Case& c = file.what;
+  EXPECT_EQ(c.dim, 2);
+  EXPECT_DOUBLE_EQ(c.cell, 2e-3);
+  EXPECT_EQ(c.n_cells[0], 240);
+  EXPECT_EQ(c.n_cells[1], 32);
+  EXPECT_EQ(c.walls[2], WallKind::no_slip);
+  EXPECT_EQ(c.walls[0], WallKind::open);
+  EXPECT_DOUBLE_EQ(c.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
+  const Granular& law = std::get<Granular>(c.materials.at(0).law);
+  EXPECT_DOUBLE_EQ(law.frictional.tan_phi_c, std::tan(20.9 * std::numbers::pi / 180));
+  EXPECT_DOUBLE_EQ(law.collisional.d, 1e-3);
+  EXPECT_DOUBLE_EQ(estimated_particles(c), 16000);
+}
+
+TEST(ReadCase, EveryCaseThatShipsIsRightAndSpeltOut) {
+  int n = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(TALUS_SOURCE_DIR "/cases")) {
+    if (entry.path().extension() != ".toml") continue;
+    const CaseFile file = read_case(entry.path());
+    EXPECT_GT(file.understood.size(), 30u) << entry.path();
+    ++n;
+  }
+  EXPECT_GE(n, 5);
+}
+
+TEST(ReadCase, MistakesAreToldWithFileLineColumnKeyAndWhatWouldBeRight) {
+  const std::string said = complaints(slump("d = \"1 mm\"", "d = \"1.0 kPa\""));
+  EXPECT_EQ(
+      said,
+      "case.toml:32:5: material.glass.d = \"1.0 kPa\" is not a length; write \"2 mm\": grain diameter (Eqs. 15, 16)");
+}
+
+TEST(ReadCase, AnUnknownKeyIsRefusedWithASuggestion) {
+  expect_complaint("Phi_c = 0.70", "Phi_C = 0.70",
+                   "material.glass.Phi_C is no key of law `granular`; did you mean `Phi_c` (random close packing "
+                   "fraction (Eq. 15))?");
+  expect_complaint("Phi_c = 0.70", "Phi_C = 0.70", "`Phi_c` is missing");
+  expect_complaint("cell = \"2 mm\"", "cell = \"2 mm\"\ncells = 3",
+                   "domain.cells is no key of [domain]; did you mean `cell`");
+  expect_complaint("[run]", "[runn]", "runn is no key of a case; did you mean `run`");
+}
+
+TEST(ReadCase, AllMistakesAreToldAtOnceInTheOrderOfTheFile) {
+  std::string text = slump("nu = 0.2", "nu = 0.7");
+  text.replace(text.find("E0 = 150"), 8, "E0 = -1 ");
+  text.replace(text.find("end = \"0.5 s\""), 13, "end = \"0.5 m\"");
+  const std::string said = complaints(text);
+  const auto a = said.find("E0 = -1"), b = said.find("nu = 0.7"), c = said.find("run.end");
+  ASSERT_NE(a, std::string::npos) << said;
+  ASSERT_NE(b, std::string::npos) << said;
+  ASSERT_NE(c, std::string::npos) << said;
+  EXPECT_LT(a, b);
+  EXPECT_LT(b, c);
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2);
+}
+
+TEST(ReadCase, ValuesOutOfRangeAreRefusedWithTheRange) {
+  expect_complaint("nu = 0.2", "nu = 0.5", "must be greater than -1 and less than 0.5");
+  expect_complaint("phi_c = \"20.9 deg\"", "phi_c = \"60 deg\"", "must be greater than 0 deg and at most 48 deg");
+  expect_complaint("E0 = 150", "E0 = nan", "is not finite");
+  expect_complaint("E0 = 150", "E0 = inf", "is not finite");
+}
+
+TEST(ReadCase, WrongTypesAndMissingUnitsAreRefused) {
+  expect_complaint("cell = \"2 mm\"", "cell = 2", "domain.cell = 2 lacks its unit; write \"2 mm\"");
+  expect_complaint("E0 = 150", "E0 = \"150\"", "is not a plain number");
+  expect_complaint("E0 = 150", "E0 = true", "is not a plain number");
+  expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = [\"-240 mm\"]", "must be a list of 2 numbers");
+  expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = \"-240 mm\"", "must be a list of 2 numbers");
+  expect_complaint("law = \"granular\"", "law = \"granulr\"", "did you mean `granular`?");
+  expect_complaint("y_min = \"no_slip\"", "y_min = \"rough\"", "must be `open`, `slip` or `no_slip`");
+  expect_complaint("y_min = \"no_slip\"", "z_min = \"no_slip\"", "z_min is no key of the walls");
+  expect_complaint("[run]\nend = \"0.5 s\"", "[[run]]\nend = \"0.5 s\"", "must be a section [run]");
+}
+
+TEST(ReadCase, WhatDoesNotFitTogetherIsRefused) {
+  expect_complaint("cell = \"2 mm\"", "cell = \"7 mm\"", "does not divide the domain's length along x");
+  expect_complaint("max = [\"40 mm\", \"50 mm\"]", "max = [\"40 mm\", \"70 mm\"]", "lies outside the domain along y");
+  expect_complaint("max = [\"40 mm\", \"50 mm\"]", "max = [\"-40 mm\", \"50 mm\"]", "the box is empty");
+  expect_complaint("void_ratio = 0.85", "void_ratio = 0.4", "denser than random close packing");
+  expect_complaint("spacing = \"0.5 mm\"", "spacing = \"3 mm\"", "larger than the cells");
+  expect_complaint("spacing = \"0.5 mm\"", "spacing = \"1 um\"", "particles; at most");
+  expect_complaint("mu_d = 0.66", "mu_d = 0.2", "must not be less than mu_s");
+  expect_complaint("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"1 m/s2\", \"-9.81 m/s2\"]",
+                   "k0 needs gravity straight down");
+  expect_complaint("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"0 m/s2\", \"9.81 m/s2\"]",
+                   "k0 needs gravity, downwards");
+  expect_complaint("history = \"1 ms\"", "history = \"1 s\"", "is longer than the run");
+  expect_complaint("material = \"glass\"", "material = \"glas\"", "is not among the materials; there is glass");
+  expect_complaint("box = {", "cylinder = { centre = [\"0 mm\", \"0 mm\"], radius = \"10 mm\" }\nbox = {",
+                   "exactly one of");
+}
+
+TEST(ReadCase, ATextThatIsNoTomlIsRefusedWhereItStops) {
+  const std::string said = complaints("title = \"x\"\n[domain\n");
+  EXPECT_EQ(said.rfind("case.toml:2:", 0), 0u) << said;
+  EXPECT_NE(complaints(slump("E0 = 150", "E0 = 150\nE0 = 151")).find("case.toml:"), std::string::npos);
+}
+
+TEST(ReadCase, AFileThatIsNotThereIsRefused) {
+  EXPECT_THROW(read_case("no/such/file.toml"), InputError);
+  EXPECT_THROW(read_case(TALUS_SOURCE_DIR), InputError);
+}
+
+TEST(ReadCase, AnEmptyFileIsToldAllThatIsMissing) {
+  const std::string said = complaints("");
+  for (const char* key : {"title", "domain", "material", "body", "run"})
+    EXPECT_NE(said.find(std::string("`") + key + "` is missing"), std::string::npos) << said;
+}
+
+TEST(ReadCase, TauHasNoDefaultWithoutGravity) {
+  std::string text = slump("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"0 m/s2\", \"0 m/s2\"]");
+  text.replace(text.find("initial_stress = \"k0\""), 21, "initial_stress = \"zero\"");
+  EXPECT_NE(complaints(text).find("`tau` is missing"), std::string::npos);
+}
+
+TEST(ReadCase, DefaultsAreSpeltOutWithTheirReason) {
+  const CaseFile file = read_case_text("case.toml", slump());
+  bool found = false;
+  for (const Understood& u : file.understood)
+    if (u.path == "numerics.tau") {
+      found = true;
+      EXPECT_TRUE(u.by_default);
+      EXPECT_NE(u.meaning.find("0.08 sqrt(H/g)"), std::string::npos);
+    }
+  EXPECT_TRUE(found);
+}
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,84 @@
+#include "talus/output/snapshot.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace talus {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own for a test, gone afterwards.
+class Snapshots : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("talus_" + std::to_string(::getpid()) + "_" +
+                                           testing::UnitTest::GetInstance()->current_test_info()->name());
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path folder_;
+};
+
+Observation two_particles() {
+  return {0.25,
+          7,
+          {{"position", "m", "place", 3, {0.1, 0.2, 0.3, 1.1, 1.2, 1.3}},
+           {"velocity", "m/s", "velocity", 3, {1, 2, 3, 4, 5, 6}},
+           {"stress", "Pa", "stress", 6, {-1, -2, -3, 4, 5, 6, -10, -20, -30, 40, 50, 60}},
+           {"p", "Pa", "pressure", 1, {2, 20}}}};
+}
+
+TEST_F(Snapshots, AnIndependentReaderFindsTheValuesNamesAndUnits) {
+  write_snapshot(folder_ / "a.hdf", two_particles(), {"velocity", "stress", "p"});
+  std::ofstream(folder_ / "read.py") << R"(
+import h5py, sys
+f = h5py.File(sys.argv[1])
+v = f["VTKHDF"]
+assert bytes(v.attrs["Type"]) == b"UnstructuredGrid" and list(v.attrs["Version"]) == [1, 0]
+assert v["NumberOfPoints"][0] == 2 and v["NumberOfCells"][0] == 2 and v["NumberOfConnectivityIds"][0] == 2
+assert list(v["Offsets"]) == [0, 1, 2] and list(v["Connectivity"]) == [0, 1] and list(v["Types"]) == [1, 1]
+assert v["Points"][1].tolist() == [1.1, 1.2, 1.3]
+p = v["PointData"]
+assert sorted(p) == ["p", "stress", "velocity"]
+assert p["velocity"][1].tolist() == [4, 5, 6] and p["velocity"].attrs["units"] == b"m/s"
+assert p["stress"][0].tolist() == [-1, -2, -3, 4, 5, 6] and p["stress"].attrs["units"] == b"Pa"
+assert p["p"][:].tolist() == [2, 20] and p["p"].attrs["meaning"] == b"pressure"
+assert f["talus/time"][0] == 0.25 and f["talus/step"][0] == 7
+)";
+  const std::string command = "/usr/bin/python3 " + (folder_ / "read.py").string() + " " + (folder_ / "a.hdf").string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
+TEST_F(Snapshots, TheSeriesListsFilesWithTheirTimes) {
+  SnapshotSeries series(folder_, {"p"});
+  Observation seen = two_particles();
+  series.add(seen);
+  seen.time = 0.5;
+  series.add(seen);
+  EXPECT_TRUE(fs::exists(series.last()));
+  std::ifstream file(series.series_file());
+  const auto json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["file-series-version"], "1.0");
+  ASSERT_EQ(json["files"].size(), 2u);
+  EXPECT_EQ(json["files"][1]["time"], 0.5);
+  EXPECT_TRUE(fs::exists(folder_ / json["files"][1]["name"].get<std::string>()));
+}
+
+TEST_F(Snapshots, AFileThatCannotBeWrittenIsAnErrorAndLeavesNothingBehind) {
+  EXPECT_THROW(write_snapshot(folder_ / "no" / "such" / "a.hdf", two_particles(), {"p"}), std::runtime_error);
+  EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(Snapshots, NoParticlesMakeAnEmptyFileNotACrash) {
+  Observation nothing{0, 0, {{"position", "m", "place", 3, {}}, {"p", "Pa", "pressure", 1, {}}}};
+  write_snapshot(folder_ / "empty.hdf", nothing, {"p"});
+  EXPECT_TRUE(fs::exists(folder_ / "empty.hdf"));
+}
+
+}  // namespace
+}  // namespace talus
