@@ -25,6 +25,14 @@ struct ElementOptions {
 };
 int run_element(const ElementOptions& options);
 
+struct ReproduceOptions {
+  std::string figure;               ///< a folder's name, its number, or "all"
+  std::string from = "validation";  ///< folder that holds the figures
+  std::string out;                  ///< folder for the pages; empty: out/reproduce
+  int threads = 0;                  ///< 0: as many as there are processors
+};
+int reproduce(const ReproduceOptions& options);
+
 int list_everything();
 
 }  // namespace talus

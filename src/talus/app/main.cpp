@@ -50,6 +50,14 @@ int main(int argc, char** argv) {
   element_command->add_option("TEST", element.test_file, "test file (TOML)")->required();
   element_command->add_option("--out", element.out, "CSV file for the result [standard output]");
 
+  talus::ReproduceOptions figures;
+  CLI::App* reproduce_command =
+      app.add_subcommand("reproduce", "remake published figures and say which of their claims hold");
+  reproduce_command->add_option("FIGURE", figures.figure, "a figure's number or folder, or `all`")->required();
+  reproduce_command->add_option("--from", figures.from, "folder that holds the figures [validation]");
+  reproduce_command->add_option("--out", figures.out, "folder for the pages [out/reproduce]");
+  reproduce_command->add_option("--threads", figures.threads, "threads [all processors]")->check(CLI::Range(1, 4096));
+
   CLI::App* list_command =
       app.add_subcommand("list", "list laws, shapes, transfers and walls with units, ranges and meaning");
 
@@ -66,6 +74,7 @@ int main(int argc, char** argv) {
     if (*run_command) return talus::run_case(run);
     if (*check_command) return talus::check_case(check_file, check_threads);
     if (*element_command) return talus::run_element(element);
+    if (*reproduce_command) return talus::reproduce(figures);
     if (*list_command) return talus::list_everything();
   } catch (const talus::InputError& e) {
     const std::size_t n = e.complaints().size();

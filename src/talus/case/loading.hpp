@@ -5,6 +5,7 @@
 /// tensor components.
 
 #include <array>
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -34,10 +35,18 @@ struct RateInstant {
 };
 
 struct Segment {
-  double duration = 1;  ///< [s]
-  int rows = 100;       ///< of output
+  double duration = 1;   ///< [s]
+  int rows = 100;        ///< of output
+  double first_row = 0;  ///< [s]; if positive, the times of rows grow from here by a constant factor
   std::array<Control, 6> controls;
   std::vector<RateInstant> history;  ///< if not empty: all strain rates, from a table; `controls` do not count
+
+  /// Time of a row since the start of the segment, for 1 <= row <= rows.
+  double row_time(int row) const {
+    if (row == rows) return duration;
+    return first_row > 0 ? first_row * std::pow(duration / first_row, double(row - 1) / (rows - 1))
+                         : duration * row / rows;
+  }
 };
 
 struct ElementTest {

@@ -64,7 +64,9 @@ void read_materials(Section& root, Case& what) {
     Material material{name, read_law(section), 0};
     std::visit(
         [&](const auto& law) {
-          if constexpr (!requires { law.grain_density(); })
+          if constexpr (requires { law.for_element_tests_only; })
+            section.complain("law", "is for element tests only; it has no meaning in a flow");
+          else if constexpr (!requires { law.grain_density(); })
             material.density = section.number({"density", "kg/m3", Range::positive(), "bulk density at the start"});
         },
         material.law);

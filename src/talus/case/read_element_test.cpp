@@ -314,6 +314,11 @@ std::vector<Segment> read_segment(Section& s, const std::string& folder) {
     segment.duration =
         s.number({"duration", "s", Range::positive(), "how long the segment lasts"}, 1.0, "only collisions feel it");
     if (!(segment.duration > 0)) segment.duration = 1;
+    if (s.has("first_row")) {
+      segment.first_row = s.number({"first_row", "s", Range::positive(),
+                                    "time of the first row; from there the times grow by a constant factor"});
+      if (segment.first_row >= segment.duration) s.complain("first_row", "must come before the end of the segment");
+    }
     if (s.has("test")) {
       segments = read_named_test(s, segment);
     } else {
@@ -333,6 +338,24 @@ std::vector<Segment> read_segment(Section& s, const std::string& folder) {
   return segments;
 }
 
+/// A table of components, compression-positive; the first `required` of them must be there.
+SymTensor<double> read_stress(Section& s, std::string_view key, std::string_view meaning, int required) {
+  Section components = s.section(key, meaning);
+  SymTensor<double> given = SymTensor<double>::zero();
+  for (int i = 0; i < 6; ++i) {
+    const Parameter p{component_names[i], "Pa", {}, "component of the stress, compression-positive"};
+    given[i] = i < required ? components.number(p) : components.number(p, 0);
+  }
+  components.close("a stress");
+  return opposite_sign(given);
+}
+
+/// Whether a law remembers its collisional stress.
+bool has_collisional_history(const AnyLaw& law) {
+  if (const auto* alone = std::get_if<MuI>(&law)) return alone->form != CollisionalForm::total;
+  return std::holds_alternative<GranularWithHistory>(law);
+}
+
 InitialState read_initial(Section& root, const AnyLaw& law) {
   Section s = root.section("initial", "the state before the test");
   InitialState initial;
@@ -343,14 +366,7 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
         {"background_pressure", "Pa", Range::not_negative(), "constant pressure of contacts that are not modelled"});
   } else if (s.has("stress")) {
     if (s.has("pressure")) s.complain("pressure", "and `stress` exclude each other");
-    Section stress = s.section("stress", "components of the stress, compression-positive");
-    SymTensor<double> given = SymTensor<double>::zero();
-    for (int i = 0; i < 6; ++i) {
-      const Parameter p{component_names[i], "Pa", {}, "component of the stress, compression-positive"};
-      given[i] = i < 3 ? stress.number(p) : stress.number(p, 0);
-    }
-    initial.stress = opposite_sign(given);
-    stress.close("a stress");
+    initial.stress = read_stress(s, "stress", "stress of lasting contacts, compression-positive", 3);
   } else {
     initial.stress = opposite_sign(SymTensor<double>::isotropic(s.number(pressure)));
   }
@@ -361,6 +377,14 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
     initial.kappa =
         s.optional_number({"kappa", "1", Range::not_negative(),
                            "accumulated plastic deviatoric strain; without it, the least that carries the stress"});
+  if (s.has("collisional_stress")) {
+    initial.collisional_stress =
+        read_stress(s, "collisional_stress", "stress of collisions at the start, compression-positive", 0);
+    if (!has_collisional_history(law))
+      s.complain(
+          "collisional_stress",
+          "follows from the strain rate in this law; collisional_form = \"rate\" or \"incremental\" remembers it");
+  }
   s.close("[initial]");
   return initial;
 }

@@ -300,6 +300,13 @@ std::optional<Section> Section::optional_section(std::string_view key) {
   return section(key, "");
 }
 
+toml::table Section::raw_table(std::string_view key, std::string_view meaning) {
+  const toml::node* node = require(key, meaning);
+  const toml::table* table = node ? node->as_table() : nullptr;
+  if (node && !table) complain(key, fmt::format("must be a table: {}", meaning));
+  return table ? *table : toml::table{};
+}
+
 std::vector<std::pair<std::string, Section>> Section::named_sections(std::string_view key, std::string_view meaning) {
   const toml::node* node = require(key, meaning);
   std::vector<std::pair<std::string, Section>> sections;

@@ -77,6 +77,8 @@ class Section {
   /// A table that must be there; an empty one in its place if it is not.
   Section section(std::string_view key, std::string_view meaning);
   std::optional<Section> optional_section(std::string_view key);
+  /// A table that must be there and whose keys are not this document's business.
+  toml::table raw_table(std::string_view key, std::string_view meaning);
   /// The tables [key.NAME], in the order of the file.
   std::vector<std::pair<std::string, Section>> named_sections(std::string_view key, std::string_view meaning);
   /// The tables [[key]], in the order of the file.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -97,9 +98,13 @@ class Driver {
     name_columns();
     report(0);
     double start = 0;
-    for (const Segment& segment : test_.segments) {
-      run_segment(segment, start);
-      start += segment.duration;
+    try {
+      for (const Segment& segment : test_.segments) {
+        run_segment(segment, start);
+        start += segment.duration;
+      }
+    } catch (const RunError& e) {
+      result_.failure = e.what();
     }
     return std::move(result_);
   }
@@ -158,11 +163,11 @@ class Driver {
         start_values_[r] += segment.controls[r].of_strain[i] * now_.strain[i] + segment.controls[r].of_stress[i] * s[i];
     jacobian_known_ = false;
     std::vector<double> stops = corners(segment);
-    for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.duration * row / segment.rows);
+    for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.row_time(row));
     std::sort(stops.begin(), stops.end());
     const bool one_step = straight(segment) && !has_history;
-    double t = 0, step = segment.duration / segment.rows;
-    std::size_t next_row = 1;
+    double t = 0, step = segment.row_time(1);
+    int next_row = 1;
     for (double stop : stops) {
       if (stop <= t) {
         if (stop < t) continue;
@@ -174,7 +179,7 @@ class Driver {
         t = stop;
       }
       largest_stress_ = std::max(largest_stress_, norm(stress(now_)));
-      if (next_row <= std::size_t(segment.rows) && stop == segment.duration * double(next_row) / segment.rows) {
+      if (next_row <= segment.rows && stop == segment.row_time(next_row)) {
         report(start + stop);
         ++next_row;
       }
@@ -393,9 +398,14 @@ class Driver {
 
 }  // namespace
 
-int ElementResult::column(const std::string& name) const {
-  const auto found = std::find(names.begin(), names.end(), name);
-  return found == names.end() ? -1 : int(found - names.begin());
+std::string as_csv(const ElementResult& result) {
+  std::vector<std::string> header;
+  for (std::size_t c = 0; c < result.names.size(); ++c)
+    header.push_back(result.units[c] == "1" ? result.names[c]
+                                            : fmt::format("{} [{}]", result.names[c], result.units[c]));
+  std::string csv = fmt::format("{}\n", fmt::join(header, ","));
+  for (const auto& row : result.rows) csv += fmt::format("{:.10g}\n", fmt::join(row, ","));
+  return csv;
 }
 
 ElementResult run_element_test(const ElementTest& test) {

@@ -104,6 +104,7 @@ struct GranularOf {
     if (auto* reason = std::get_if<std::string>(&contacts)) return *reason;
     State<double> state{std::get<Simsand::State<double>>(contacts), {}};
     if constexpr (WithHistory) {
+      state.collisional.stress = initial.collisional_stress;
       state.collisional.f = collisional.momentum_exchange(MuI::volume_fraction(initial.void_ratio));
       state.collisional.p_f = pressure(initial.stress);
       state.collisional.D = deviator(initial.strain_rate);

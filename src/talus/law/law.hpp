@@ -70,8 +70,9 @@ struct InitialState {
   double void_ratio = 0;
   std::optional<double>
       kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
-  double background_pressure = 0;                             ///< [Pa], of a law without lasting contacts
-  SymTensor<double> strain_rate = SymTensor<double>::zero();  ///< [1/s], for laws that remember it
+  double background_pressure = 0;                                    ///< [Pa], of a law without lasting contacts
+  SymTensor<double> strain_rate = SymTensor<double>::zero();         ///< [1/s], for laws that remember it
+  SymTensor<double> collisional_stress = SymTensor<double>::zero();  ///< [Pa], for laws that remember it
 };
 
 /// A state, or a sentence why there is none.

@@ -199,9 +199,8 @@ struct MuI {
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {
     if (von_mises(deviator(initial.stress)) > 0 || pressure(initial.stress) != 0)
       return "`mu_i` has no lasting contacts that could carry a stress at rest; give a background pressure instead";
-    const auto zero = SymTensor<double>::zero();
-    return State<double>{{zero, deviator(initial.strain_rate), momentum_exchange(volume_fraction(initial.void_ratio)),
-                          initial.background_pressure},
+    return State<double>{{initial.collisional_stress, deviator(initial.strain_rate),
+                          momentum_exchange(volume_fraction(initial.void_ratio)), initial.background_pressure},
                          initial.void_ratio};
   }
 

@@ -6,6 +6,7 @@
 #include "talus/law/granular.hpp"
 #include "talus/law/linear_elastic.hpp"
 #include "talus/law/mohr_coulomb.hpp"
+#include "talus/law/simsand_appendix_a.hpp"
 
 namespace talus {
 
@@ -20,7 +21,7 @@ struct LawList {
   }
 };
 
-using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, LinearElastic>;
+using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, LinearElastic, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
 /// The type that a law's options ask for: `granular` with a history where its collisional form needs one.

@@ -83,7 +83,7 @@ std::vector<Picture> PictureBook::draw() {
     const std::filesystem::path script = folder_ / (s.name + ".gp"), image = folder_ / (s.name + ".png");
     std::ofstream out(script);
     out << fmt::format("set terminal pngcairo size {},{} font 'sans,11' background '#ffffff'\n", total_w, total_h)
-        << "set output " << quoted(image.string()) << "\n"
+        << "set output " << gnuplot_text(image.filename().string()) << "\n"
         << even_palette() << fmt::format("set cbrange [0:{:.3g}]\nset cblabel '{}' offset 1\n", most, s.label)
         << "set datafile separator ','\nset key off\nset border 3 lc '#888888'\nset tics nomirror tc '#333333' scale "
            "0.6\n"
@@ -91,7 +91,7 @@ std::vector<Picture> PictureBook::draw() {
                        double(total_w - right + 30) / total_w, double(bottom) / total_h, 16.0 / total_w,
                        double(total_h - top - bottom) / total_h)
         << fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
-                       quoted(title_ + ": " + s.title + (dim_ == 3 ? ", slice through the middle" : "")))
+                       gnuplot_text(title_ + ": " + s.title + (dim_ == 3 ? ", slice through the middle" : "")))
         << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * (low_[0] - margin),
                        1e3 * (high_[0] + margin), 1e3 * low_[1], 1e3 * (low_[1] + height));
     for (int i = 0; i < n; ++i) {
@@ -107,7 +107,7 @@ std::vector<Picture> PictureBook::draw() {
           << (i == 1 ? "unset colorbox\n" : "")
           << fmt::format(
                  "plot {} skip 2 using ($1*1e3):($2*1e3):($3*0.6e3):{} with circles fill solid noborder lc palette\n",
-                 quoted((folder_ / instants_[i].file).string()), column);
+                 gnuplot_text(instants_[i].file), column);
     }
     out << "unset multiplot\n";
     out.close();

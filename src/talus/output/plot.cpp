@@ -17,13 +17,14 @@ extern char** environ;
 namespace talus {
 
 bool run_gnuplot(const std::filesystem::path& script) {
-  const std::filesystem::path log = script.string() + ".log";
+  const std::filesystem::path log = std::filesystem::absolute(script.string() + ".log");
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, script.parent_path().c_str());
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 1, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_addopen(&actions, 2, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
-  std::string program = "gnuplot", file = script.string();
+  std::string program = "gnuplot", file = script.filename().string();
   char* arguments[] = {program.data(), file.data(), nullptr};
   pid_t child = 0;
   const int failure = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
@@ -44,13 +45,19 @@ bool run_gnuplot(const std::filesystem::path& script) {
   return true;
 }
 
-std::string quoted(const std::string& text) {
+std::string gnuplot_text(const std::string& text) {
   std::string out = "'";
   for (char c : text) {
     if (c == '\'') out += '\'';
     out += c == '\n' ? ' ' : c;
   }
   return out + "'";
+}
+
+const char* line_colour(int i) {
+  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
+                                            "#e69f00", "#56b4e9", "#000000"};
+  return colours[i % 7];
 }
 
 std::string even_palette() {
@@ -61,20 +68,18 @@ std::string even_palette() {
 
 bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart) {
   const std::filesystem::path script = folder / (chart.name + ".gp");
-  // Colours that remain distinct for the colour-blind (Okabe and Ito 2008).
-  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                            "#e69f00", "#56b4e9", "#000000"};
   std::ofstream out(script);
   out << "set terminal svg size 640,400 font 'sans,12' background '#ffffff'\n"
-      << "set output " << quoted((folder / (chart.name + ".svg")).string()) << "\n"
+      << "set output " << gnuplot_text(chart.name + ".svg") << "\n"
       << "set datafile separator ','\nset key outside bottom center horizontal\nset grid lc '#dddddd'\nset border "
          "3\nset tics nomirror\n"
-      << "set xlabel " << quoted(chart.x_label) << "\nset ylabel " << quoted(chart.y_label) << "\n";
+      << "set xlabel " << gnuplot_text(chart.x_label) << "\nset ylabel " << gnuplot_text(chart.y_label) << "\n";
   std::vector<std::string> plots;
   for (std::size_t i = 0; i < chart.curves.size(); ++i)
     plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}",
-                                quoted(csv.string()), chart.x_column, chart.x_scale, chart.curves[i].column,
-                                chart.y_scale, colours[i % 7], quoted(chart.curves[i].label)));
+                                gnuplot_text(std::filesystem::relative(csv, folder).string()), chart.x_column,
+                                chart.x_scale, chart.curves[i].column, chart.y_scale, line_colour(int(i)),
+                                gnuplot_text(chart.curves[i].label)));
   out << "plot " << fmt::format("{}", fmt::join(plots, ", \\\n     ")) << "\n";
   out.close();
   return run_gnuplot(script);

@@ -7,13 +7,16 @@
 
 namespace talus {
 
-/// Runs a gnuplot script in its own folder. False if gnuplot is not installed; throws std::runtime_error with its
+/// Runs a gnuplot script in the folder it stands in, so that scripts name files by themselves and folders can be moved. False if gnuplot is not installed; throws std::runtime_error with its
 /// message if the script fails.
 bool run_gnuplot(const std::filesystem::path& script);
 
 /// Colours from dark to bright that are told apart equally well along the whole scale, also in grey (viridis, sampled),
 /// as a gnuplot palette.
 std::string even_palette();
+
+/// Colours of lines that remain distinct for the colour-blind (Okabe and Ito 2008).
+const char* line_colour(int i);
 
 /// One curve of a chart: a column of a CSV file against another, both counted from 1, scaled for display.
 struct Curve {
@@ -32,6 +35,6 @@ struct Chart {
 bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart);
 
 /// A text inside single quotes of a gnuplot script.
-std::string quoted(const std::string& text);
+std::string gnuplot_text(const std::string& text);
 
 }  // namespace talus

@@ -10,68 +10,16 @@
 
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
+#include "talus/output/page.hpp"
 
 namespace talus {
 
 namespace {
 
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    switch (c) {
-      case '&': out += "&amp;"; break;
-      case '<': out += "&lt;"; break;
-      case '>': out += "&gt;"; break;
-      case '"': out += "&quot;"; break;
-      default: out += c;
-    }
-  }
-  return out;
-}
-
-std::string contents(const std::filesystem::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-std::string base64(const std::string& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve(bytes.size() * 4 / 3 + 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
-
-/// An image as a part of the page.
-std::string embedded(const Picture& picture) {
-  const bool svg = picture.file.extension() == ".svg";
-  return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"><figcaption>{}</figcaption></figure>\n",
-                     escaped(picture.caption), svg ? "svg+xml" : "png", base64(contents(picture.file)),
-                     escaped(picture.caption));
-}
-
 /// A share of the energy turned over, as a percentage; a dash where nothing moved.
 std::string share(double part, const Ledger& l) {
   return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;";
 }
-
-constexpr const char* style = R"(
-body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
-h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
-table { border-collapse: collapse; } td, th { padding: .15rem .9rem .15rem 0; text-align: left; vertical-align: top; }
-td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-tr.d td { color: #777; } figure { margin: 1rem 0; } img { max-width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
-.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(26rem, 1fr)); gap: 1rem; }
-.warning { border-left: .3rem solid #d55e00; padding: .3rem .8rem; background: #fdf3ec; margin: .5rem 0; }
-.good { border-left-color: #009e73; background: #eef8f4; } pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
-)";
 
 }  // namespace
 
@@ -144,10 +92,7 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
                   const std::vector<Picture>& pictures, const std::vector<Picture>& charts) {
   const Ledger& l = run.ledger;
   std::ostringstream page;
-  page << "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-          "content=\"width=device-width\"><title>"
-       << escaped(what.title) << "</title><style>" << style << "</style></head><body>\n<h1>" << escaped(what.title)
-       << "</h1>\n<p>"
+  page << page_head(what.title) << "<h1>" << escaped(what.title) << "</h1>\n<p>"
        << escaped(fmt::format("talus {} \u2013 {} particles, {} steps, {:.4g} s simulated in {:.1f} s on {} thread{}.",
                               version(), run.n_particles, l.step, l.time, run.wall_seconds, run.n_threads,
                               run.n_threads == 1 ? "" : "s"))
@@ -174,11 +119,11 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
 
   if (!pictures.empty()) {
     page << "<h2>Pictures</h2>\n";
-    for (const Picture& p : pictures) page << embedded(p);
+    for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
   }
   if (!charts.empty()) {
     page << "<h2>In time</h2>\n<div class=\"charts\">\n";
-    for (const Picture& c : charts) page << embedded(c);
+    for (const Picture& c : charts) page << embedded_figure(c.file, c.caption);
     page << "</div>\n";
   }
 

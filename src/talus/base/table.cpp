@@ -1,0 +1,79 @@
+#include "talus/base/table.hpp"
+
+#include <fmt/format.h>
+#include <muParser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "talus/base/text.hpp"
+
+namespace talus {
+
+int NumberTable::column(const std::string& name) const {
+  const auto found = std::find(names.begin(), names.end(), name);
+  return found == names.end() ? -1 : int(found - names.begin());
+}
+
+NumberTable read_csv(const std::string& path, const std::string& where, const std::string& is) {
+  std::ifstream file(path);
+  if (!file) throw std::runtime_error(fmt::format("{} cannot be read", path));
+  NumberTable table;
+  std::string line, cell;
+  int chosen = -1, number = 0;
+  while (std::getline(file, line)) {
+    ++number;
+    if (!line.empty() && line.back() == '\r') line.pop_back();
+    if (line.empty() || line[0] == '#') continue;
+    std::vector<std::string> cells;
+    for (std::istringstream text(line); std::getline(text, cell, ',');) cells.push_back(cell);
+    if (table.names.empty()) {
+      table.names = cells;
+      if (!where.empty()) {
+        chosen = table.column(where);
+        if (chosen < 0) throw std::runtime_error(fmt::format("{} has no column `{}`", path, where));
+      }
+      continue;
+    }
+    if (cells.size() != table.names.size())
+      throw std::runtime_error(
+          fmt::format("{}:{}: {} cells, but {} columns", path, number, cells.size(), table.names.size()));
+    if (chosen >= 0 && cells[chosen] != is) continue;
+    std::vector<double> row;
+    for (const std::string& c : cells) {
+      std::istringstream text(c);
+      double value = 0;
+      row.push_back(text >> value ? value : std::numeric_limits<double>::quiet_NaN());
+    }
+    table.rows.push_back(std::move(row));
+  }
+  if (table.rows.empty())
+    throw std::runtime_error(where.empty() ? fmt::format("{} holds no rows", path)
+                                           : fmt::format("{} holds no rows with {} = {}", path, where, is));
+  return table;
+}
+
+std::vector<double> evaluate(const std::string& formula, const NumberTable& table) {
+  std::vector<double> values(table.names.size());
+  mu::Parser parser;
+  std::vector<double> result;
+  try {
+    for (std::size_t c = 0; c < table.names.size(); ++c) parser.DefineVar(table.names[c], &values[c]);
+    parser.SetExpr(formula);
+    for (const auto& row : table.rows) {
+      std::copy(row.begin(), row.end(), values.begin());
+      result.push_back(parser.Eval());
+    }
+  } catch (const mu::ParserError& e) {
+    const std::vector<std::string_view> names(table.names.begin(), table.names.end());
+    const std::string_view alike = most_alike(e.GetToken(), names);
+    throw std::runtime_error(fmt::format("{} in `{}`{}", e.GetMsg(), formula,
+                                         alike.empty() ? "" : fmt::format("; did you mean `{}`?", alike)));
+  }
+  return result;
+}
+
+}  // namespace talus

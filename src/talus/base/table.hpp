@@ -1,0 +1,24 @@
+#pragma once
+/// Tables of numbers with named columns, and formulas of them.
+
+#include <string>
+#include <vector>
+
+namespace talus {
+
+struct NumberTable {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+
+  int column(const std::string& name) const;  ///< -1 if there is none
+};
+
+/// Reads a CSV file with a header; lines that begin with # are skipped, and what is no number becomes NaN. With
+/// `where`, only the rows whose column of that name reads `is`. Throws std::runtime_error.
+NumberTable read_csv(const std::string& path, const std::string& where = "", const std::string& is = "");
+
+/// The value of a formula of the columns (muParser's syntax) in every row. Throws std::runtime_error where the formula
+/// is wrong.
+std::vector<double> evaluate(const std::string& formula, const NumberTable& table);
+
+}  // namespace talus

@@ -1,0 +1,42 @@
+#pragma once
+/// What a figure shows once its element tests have run: curves in the panels' axes, and verdicts on what is claimed.
+
+#include <map>
+
+#include "talus/case/figure.hpp"
+#include "talus/element/driver.hpp"
+
+namespace talus {
+
+/// Results of the element tests, [reading][curve]; empty where a reading has no such curve.
+using FigureRuns = std::vector<std::vector<std::optional<ElementResult>>>;
+
+struct Points {
+  std::vector<double> x, y;
+};
+
+/// One curve in one panel and reading.
+struct DrawnCurve {
+  int curve;
+  Points computed, measured;
+  double misfit;  ///< rms distance in y from the measured points over the largest of these; NaN without them
+};
+
+/// What became of a statement: a number for every reading (NaN where it has none), and where it holds.
+struct Verdict {
+  std::vector<double> numbers;
+  std::vector<bool> holds;
+
+  bool in_first() const { return holds.at(0); }
+  bool in_another() const;
+};
+
+struct FigureResult {
+  std::vector<std::vector<std::vector<DrawnCurve>>> panels;  ///< [reading][panel][curve of the panel]
+  std::vector<Verdict> verdicts;                             ///< one for every statement
+};
+
+/// Draws the panels' points and decides the statements. Throws InputError where a formula is wrong.
+FigureResult evaluate_figure(const FigureSpec& figure, const FigureRuns& runs);
+
+}  // namespace talus

@@ -1,0 +1,262 @@
+#include "talus/output/figure_page.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "talus/base/machine.hpp"
+#include "talus/output/page.hpp"
+#include "talus/output/plot.hpp"
+
+namespace talus {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream out(file);
+  out << text;
+  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+}
+
+/// Where the files of a reading stand: those of the first in the figure's own folder.
+fs::path place_of(const fs::path& folder, const FigureSpec& figure, std::size_t reading) {
+  return reading == 0 ? folder : folder / figure.readings[reading].name;
+}
+
+// ---- panels ------------------------------------------------------------------------------------------------------
+
+std::string range_of(const Axis& axis) {
+  const auto end = [](const std::optional<double>& x) { return x ? fmt::format("{:g}", *x) : "*"; };
+  return fmt::format("[{}:{}]", end(axis.min), end(axis.max));
+}
+
+std::string block(const std::string& name, const Points& points) {
+  std::string text = fmt::format("# {}\n", name);
+  for (std::size_t i = 0; i < points.x.size(); ++i)
+    if (std::isfinite(points.x[i]) && std::isfinite(points.y[i]))
+      text += fmt::format("{:.8g} {:.8g}\n", points.x[i], points.y[i]);
+    else
+      text += "\n";
+  return text + "\n\n";
+}
+
+/// Lines for what was computed, points of the same colour for what was measured.
+bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& panel,
+                const std::vector<DrawnCurve>& curves) {
+  std::string data;
+  std::vector<std::string> plots;
+  int n_blocks = 0;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const CurveSpec& spec = figure.curves[curves[i].curve];
+    const char* colour = line_colour(int(i));
+    const int dash = 1 + int(i) / 7;
+    data += block(spec.name, curves[i].computed);
+    plots.push_back(fmt::format("'{}.dat' index {} with lines lw 2 dt {} lc '{}' title {}", panel.name, n_blocks++,
+                                dash, colour, gnuplot_text(spec.label)));
+    if (curves[i].measured.x.empty()) continue;
+    data += block(spec.name + ", measured", curves[i].measured);
+    plots.push_back(
+        fmt::format("'{}.dat' index {} with points pt 7 ps 0.35 lc '{}' notitle", panel.name, n_blocks++, colour));
+  }
+  if (plots.empty()) return true;
+  write_text(folder / (panel.name + ".dat"), data);
+  std::string script = fmt::format(
+      "set terminal svg size 560,420 font 'sans,12' background '#ffffff'\nset output "
+      "'{}.svg'\n",
+      panel.name);
+  script += "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal\n";
+  if (!panel.title.empty()) script += "set title " + gnuplot_text(panel.title) + "\n";
+  const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};
+  for (const auto& [letter, axis] : axes) {
+    if (axis->log) script += fmt::format("set logscale {0}\nset format {0} '10^{{%L}}'\n", letter);
+    script +=
+        fmt::format("set {}label {}\nset {}range {}\n", letter, gnuplot_text(axis->label), letter, range_of(*axis));
+  }
+  script += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
+  script += fmt::format(
+      "set terminal pngcairo size 1120,840 font 'sans,12' fontscale 1.6 linewidth 1.6 pointscale 1.6 "
+      "background '#ffffff'\nset output '{}.png'\nreplot\n",
+      panel.name);
+  write_text(folder / (panel.name + ".gp"), script);
+  return run_gnuplot(folder / (panel.name + ".gp"));
+}
+
+void write_curves(const fs::path& folder, const RemadeFigure& figure, std::size_t reading) {
+  for (std::size_t c = 0; c < figure.spec.curves.size(); ++c) {
+    const auto& result = figure.runs[reading][c];
+    if (!result) continue;
+    const CurveSpec& spec = figure.spec.curves[c];
+    write_text(folder / (spec.name + ".toml"), spec.tests[reading]->text);
+    write_text(folder / (spec.name + ".csv"), as_csv(*result));
+  }
+}
+
+// ---- verdicts ----------------------------------------------------------------------------------------------------
+
+enum class Finding { holds, in_another, fails };
+
+Finding finding_of(const Verdict& v) {
+  return v.in_first() ? Finding::holds : v.in_another() ? Finding::in_another : Finding::fails;
+}
+
+std::string badge(const FigureSpec& figure, const Verdict& v) {
+  switch (finding_of(v)) {
+    case Finding::holds: return "<span class=\"badge yes\">holds</span>";
+    case Finding::in_another: {
+      std::vector<std::string> where;
+      for (std::size_t r = 1; r < v.holds.size(); ++r)
+        if (v.holds[r]) where.push_back(figure.readings[r].name);
+      return fmt::format("<span class=\"badge part\">holds only in {}</span>",
+                         escaped(fmt::format("{}", fmt::join(where, ", "))));
+    }
+    case Finding::fails: break;
+  }
+  return "<span class=\"badge no\">does not hold</span>";
+}
+
+std::string range_in_words(const Statement& s) {
+  if (s.at_least && s.at_most) return fmt::format("{:.4g} to {:.4g}", *s.at_least, *s.at_most);
+  return s.at_least ? fmt::format("at least {:.4g}", *s.at_least) : fmt::format("at most {:.4g}", *s.at_most);
+}
+
+std::string number_in_words(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "&ndash;"; }
+
+std::array<int, 3> count(const RemadeFigure& figure) {
+  std::array<int, 3> n{};
+  for (const Verdict& v : figure.result.verdicts) ++n[int(finding_of(v))];
+  return n;
+}
+
+std::string statements_table(const RemadeFigure& figure) {
+  const FigureSpec& spec = figure.spec;
+  std::string out = "<table><tr><th>claim</th><th>verdict</th><th>what decides</th><th>holds if</th>";
+  for (const Reading& r : spec.readings)
+    out += fmt::format("<th>{}</th>", spec.readings.size() > 1 ? escaped(r.name) : "found");
+  out += "</tr>\n";
+  for (std::size_t i = 0; i < spec.statements.size(); ++i) {
+    const Statement& s = spec.statements[i];
+    const Verdict& v = figure.result.verdicts[i];
+    out += fmt::format("<tr><td>{}{}</td><td>{}</td><td>{}<br><code>{}</code></td><td class=\"n\">{}</td>",
+                       escaped(s.text), s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>",
+                       badge(spec, v), escaped(s.meaning), escaped(s.number), range_in_words(s));
+    for (std::size_t r = 0; r < v.numbers.size(); ++r)
+      out += fmt::format("<td class=\"n\">{}{}{}</td>", v.holds[r] ? "<b>" : "", number_in_words(v.numbers[r]),
+                         v.holds[r] ? "</b>" : "");
+    out += "</tr>\n";
+    if (!s.why.empty() && !v.in_first())
+      out += fmt::format("<tr class=\"d\"><td colspan=\"{}\">&#8627; {}</td></tr>\n", 4 + v.numbers.size(),
+                         escaped(s.why));
+  }
+  return out + "</table>\n";
+}
+
+std::string misfit_table(const RemadeFigure& figure) {
+  std::string rows;
+  for (std::size_t p = 0; p < figure.spec.panels.size(); ++p)
+    for (const DrawnCurve& c : figure.result.panels[0][p])
+      if (std::isfinite(c.misfit))
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{:.1f} %</td></tr>\n",
+                            escaped(figure.spec.curves[c.curve].label), escaped(figure.spec.panels[p].y.label),
+                            100 * c.misfit);
+  if (rows.empty()) return "";
+  return "<h2>Distance from the measurements</h2>\n<p>Root mean square over the measured points, over the largest of "
+         "them.</p>\n<table><tr><th>curve</th><th>quantity</th><th>distance</th></tr>\n" +
+         rows + "</table>\n";
+}
+
+}  // namespace
+
+bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
+  const FigureSpec& spec = figure.spec;
+  bool drawn = true;
+  for (std::size_t r = 0; r < spec.readings.size(); ++r) {
+    const fs::path place = place_of(folder, spec, r);
+    fs::create_directories(place);
+    write_curves(place, figure, r);
+    for (std::size_t p = 0; p < spec.panels.size(); ++p)
+      drawn = draw_panel(place, spec, spec.panels[p], figure.result.panels[r][p]) && drawn;
+  }
+
+  std::ostringstream page;
+  page << page_head(spec.title) << "<p><a href=\"../index.html\">All figures</a></p>\n<h1>" << escaped(spec.title)
+       << "</h1>\n<p>" << escaped(spec.source) << ". Remade with talus " << escaped(version()) << ".</p>\n";
+  if (!spec.note.empty()) page << "<p>" << escaped(spec.note) << "</p>\n";
+  if (!spec.statements.empty()) page << "<h2>What is claimed</h2>\n" << statements_table(figure);
+  for (std::size_t r = 0; r < spec.readings.size(); ++r) {
+    const Reading& reading = spec.readings[r];
+    page << "<h2>" << (spec.readings.size() > 1 ? "Reading: " + escaped(reading.name) : "The figure") << "</h2>\n";
+    if (!reading.meaning.empty()) page << "<p>" << escaped(reading.meaning) << "</p>\n";
+    page << "<div class=\"charts\">\n";
+    for (const Panel& panel : spec.panels) {
+      const fs::path image = place_of(folder, spec, r) / (panel.name + ".svg");
+      if (drawn && fs::exists(image))
+        page << embedded_figure(image, panel.title.empty() ? "(" + panel.name + ")" : panel.name);
+    }
+    page << "</div>\n";
+    for (std::size_t c = 0; c < spec.curves.size(); ++c)
+      if (figure.runs[r][c] && !figure.runs[r][c]->failure.empty())
+        page << fmt::format("<div class=\"warning\">Curve {} ends early: {}</div>\n", escaped(spec.curves[c].label),
+                            escaped(figure.runs[r][c]->failure));
+  }
+  page << misfit_table(figure)
+       << "<h2>Files</h2>\n<p>Beside this page: every panel as SVG and PNG with its gnuplot script (.gp) and points "
+          "(.dat); every curve as an element test (.toml, run it with <code>talus element</code>) and its result "
+          "(.csv)"
+       << (spec.readings.size() > 1 ? "; readings but the first in folders of their own" : "")
+       << ".</p>\n</body></html>\n";
+  write_text(folder / "index.html", page.str());
+  return drawn;
+}
+
+void write_figure_index(const fs::path& file, const std::vector<RemadeFigure>& figures) {
+  std::array<int, 3> all{};
+  for (const RemadeFigure& f : figures)
+    for (int k = 0; k < 3; ++k) all[k] += count(f)[k];
+  std::ostringstream page;
+  page << page_head("What reproduces") << "<h1>What reproduces</h1>\n"
+       << fmt::format(
+              "<p>Of {} claims in {} figures <b>{} hold</b>, {} hold only in another reading of the source, "
+              "and <b>{} do not hold</b>. No parameter was tuned. Remade with talus {}.</p>\n",
+              all[0] + all[1] + all[2], figures.size(), all[0], all[1], all[2], escaped(version()));
+  page << "<table><tr><th>figure</th><th></th><th>holds</th><th>only in another reading</th><th>does not "
+          "hold</th></tr>\n";
+  for (const RemadeFigure& f : figures) {
+    const auto n = count(f);
+    page << fmt::format("<tr><td><a href=\"{0}/index.html\">{0}</a></td><td>{1}</td>", escaped(f.spec.name),
+                        escaped(f.spec.title));
+    static constexpr const char* classes[] = {"yes", "part", "no"};
+    for (int k = 0; k < 3; ++k)
+      page << (n[k] > 0 ? fmt::format("<td class=\"n\"><span class=\"badge {}\">{}</span></td>", classes[k], n[k])
+                        : "<td></td>");
+    page << "</tr>\n";
+  }
+  page << "</table>\n";
+  const auto list = [&](Finding which, const char* title) {
+    std::string items;
+    for (const RemadeFigure& f : figures)
+      for (std::size_t i = 0; i < f.spec.statements.size(); ++i) {
+        const Statement& s = f.spec.statements[i];
+        const Verdict& v = f.result.verdicts[i];
+        if (finding_of(v) != which) continue;
+        items += fmt::format(
+            "<tr><td><a href=\"{0}/index.html\">{0}</a></td><td>{1}</td><td>{2}: {3}, not {4}.{5} "
+            "{6}</td></tr>\n",
+            escaped(f.spec.name), escaped(s.text), escaped(s.meaning), number_in_words(v.numbers[0]), range_in_words(s),
+            which == Finding::in_another ? " " + badge(f.spec, v) : "", escaped(s.why));
+      }
+    if (!items.empty()) page << "<h2>" << title << "</h2>\n<table>" << items << "</table>\n";
+  };
+  list(Finding::fails, "What does not hold, and why");
+  list(Finding::in_another, "What holds only in another reading");
+  page << "</body></html>\n";
+  write_text(file, page.str());
+}
+
+}  // namespace talus
