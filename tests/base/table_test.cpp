@@ -11,7 +11,8 @@ namespace talus {
 namespace {
 
 std::string written(const std::string& text) {
-  const std::string path = testing::TempDir() + "table_test.csv";
+  const std::string path =
+      testing::TempDir() + "table_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
   std::ofstream(path) << text;
   return path;
 }

@@ -46,7 +46,8 @@ y = { value = "stress_yy/1000", measured = "kPa" }
 )";
 
 FigureSpec read(const std::string& more = "", const std::string& figure = figure_file) {
-  const fs::path folder = fs::path(testing::TempDir()) / "figure_test";
+  const fs::path folder = fs::path(testing::TempDir()) /
+                          (std::string("figure_") + testing::UnitTest::GetInstance()->current_test_info()->name());
   fs::create_directories(folder);
   std::ofstream(folder / "test.toml") << test_file;
   std::ofstream(folder / "measured.csv") << "test,percent,kPa\nT0,0,0\nT1,0,0\nT1,0.5,50\nT1,1,100\nT1,2,100\n";

@@ -15,6 +15,34 @@
 
 namespace talus {
 
+/// Four doubles, and four truth values, side by side.
+typedef double FourDoubles __attribute__((vector_size(32)));
+typedef long long FourMasks __attribute__((vector_size(32)));
+
+#if defined(__AVX2__) && defined(__FMA__)
+// The compiler takes loops over lanes apart where they meet scalar code; these are single instructions wherever they
+// stand.
+inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles c) {
+  return __builtin_ia32_vfmaddpd256(a, b, c);
+}
+inline FourDoubles square_roots(FourDoubles x) { return __builtin_ia32_sqrtpd256(x); }
+inline int sign_bits(FourMasks m) { return __builtin_ia32_movmskpd256(reinterpret_cast<FourDoubles>(m)); }
+#else
+inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles c) {
+  for (int i = 0; i < 4; ++i) c[i] = __builtin_fma(a[i], b[i], c[i]);
+  return c;
+}
+inline FourDoubles square_roots(FourDoubles x) {
+  for (int i = 0; i < 4; ++i) x[i] = __builtin_sqrt(x[i]);
+  return x;
+}
+inline int sign_bits(FourMasks m) {
+  int bits = 0;
+  for (int i = 0; i < 4; ++i) bits |= (m[i] < 0) << i;
+  return bits;
+}
+#endif
+
 /// Whether `a * b + c` is one rounding on the target. Everywhere else the compiler is told not to contract
 /// (`-ffp-contract=off`), so that scalar code and code for several particles at once give the same bits.
 inline constexpr bool has_fma = TALUS_HAS_FMA;

@@ -20,7 +20,7 @@ inline constexpr int pack_width = 4;
 
 /// A truth value a lane; a true lane has all bits set.
 struct Mask {
-  typedef std::int64_t Lanes __attribute__((vector_size(8 * pack_width)));
+  using Lanes = FourMasks;
   Lanes lanes;
 
   friend Mask operator&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
@@ -31,7 +31,7 @@ struct Mask {
 
 /// A double a lane.
 struct Pack {
-  typedef double Lanes __attribute__((vector_size(8 * pack_width)));
+  using Lanes = FourDoubles;
   Lanes lanes;
 
   Pack() = default;
@@ -56,7 +56,7 @@ struct Pack {
   friend Mask operator>=(Pack a, Pack b) { return {a.lanes >= b.lanes}; }
   friend Mask operator==(Pack a, Pack b) { return {a.lanes == b.lanes}; }
 };
-static_assert(pack_width == 4, "Pack(double) names four lanes");
+static_assert(pack_width == 4, "lanes are FourDoubles");
 
 /// What a law may be written against.
 template <class R>
@@ -79,14 +79,11 @@ TALUS_HD inline bool any(bool m) { return m; }
 TALUS_HD inline bool all(bool m) { return m; }
 
 inline Pack select(Mask m, Pack a, Pack b) { return Pack(m.lanes ? a.lanes : b.lanes); }
-inline bool any(Mask m) { return (m.lanes[0] | m.lanes[1] | m.lanes[2] | m.lanes[3]) != 0; }
-inline bool all(Mask m) { return (m.lanes[0] & m.lanes[1] & m.lanes[2] & m.lanes[3]) != 0; }
+inline bool any(Mask m) { return sign_bits(m.lanes) != 0; }
+inline bool all(Mask m) { return sign_bits(m.lanes) == 15; }
 
 TALUS_HD inline double sqrt(double x) { return std::sqrt(x); }
-inline Pack sqrt(Pack x) {
-  for (int i = 0; i < pack_width; ++i) x.lanes[i] = __builtin_sqrt(x.lanes[i]);
-  return x;
-}
+inline Pack sqrt(Pack x) { return Pack(square_roots(x.lanes)); }
 
 /// |x|, the larger and the smaller; a NaN in the first argument stays a NaN.
 template <Number R>
@@ -108,10 +105,7 @@ TALUS_HD inline double multiply_add(double a, double b, double c) {
   return a * b + c;
 }
 inline Pack multiply_add(Pack a, Pack b, Pack c) {
-  if constexpr (has_fma) {
-    for (int i = 0; i < pack_width; ++i) c.lanes[i] = __builtin_fma(a.lanes[i], b.lanes[i], c.lanes[i]);
-    return c;
-  }
+  if constexpr (has_fma) return Pack(fused_multiply_add(a.lanes, b.lanes, c.lanes));
   return a * b + c;
 }
 
