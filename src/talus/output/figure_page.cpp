@@ -136,16 +136,17 @@ std::array<int, 3> count(const RemadeFigure& figure) {
 
 std::string statements_table(const RemadeFigure& figure) {
   const FigureSpec& spec = figure.spec;
-  std::string out = "<table><tr><th>claim</th><th>verdict</th><th>what decides</th><th>holds if</th>";
+  std::string out = "<table class=\"claims\"><tr><th>claim</th><th>verdict</th><th>what decides</th><th>holds if</th>";
   for (const Reading& r : spec.readings)
     out += fmt::format("<th>{}</th>", spec.readings.size() > 1 ? escaped(r.name) : "found");
   out += "</tr>\n";
   for (std::size_t i = 0; i < spec.statements.size(); ++i) {
     const Statement& s = spec.statements[i];
     const Verdict& v = figure.result.verdicts[i];
-    out += fmt::format("<tr><td>{}{}</td><td>{}</td><td>{}<br><code>{}</code></td><td class=\"n\">{}</td>",
-                       escaped(s.text), s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>",
-                       badge(spec, v), escaped(s.meaning), escaped(s.number), range_in_words(s));
+    out +=
+        fmt::format("<tr><td>{}{}</td><td>{}</td><td>{}<br><small><code>{}</code></small></td><td class=\"n\">{}</td>",
+                    escaped(s.text), s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>",
+                    badge(spec, v), escaped(s.meaning), escaped(s.number), range_in_words(s));
     for (std::size_t r = 0; r < v.numbers.size(); ++r)
       out += fmt::format("<td class=\"n\">{}{}{}</td>", v.holds[r] ? "<b>" : "", number_in_words(v.numbers[r]),
                          v.holds[r] ? "</b>" : "");
