@@ -160,7 +160,7 @@ class Driver {
     std::vector<double> stops = corners(segment);
     for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.duration * row / segment.rows);
     std::sort(stops.begin(), stops.end());
-    const bool one_step = straight(segment) && !has_history;
+    const bool one_step = straight(segment) && !RemembersStrainRate<Law>;
     double t = 0, step = segment.duration / segment.rows;
     std::size_t next_row = 1;
     for (double stop : stops) {
@@ -376,8 +376,6 @@ class Driver {
     row.push_back(now_.outcome);
     result_.rows.push_back(std::move(row));
   }
-
-  static constexpr bool has_history = std::same_as<Law, GranularWithHistory> || std::same_as<Law, MuI>;
 
   const ElementTest& test_;
   const Law& law_;
