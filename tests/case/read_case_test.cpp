@@ -138,6 +138,20 @@ TEST(ReadCase, WhatDoesNotFitTogetherIsRefused) {
                    "exactly one of");
 }
 
+TEST(ReadCase, ALawIsAskedOnlyForWhatItStartsFrom) {
+  std::string text = text_of(TALUS_SOURCE_DIR "/cases/free_fall.toml");
+  const auto replaced = [&](const std::string& what, const std::string& with) {
+    std::string t = text;
+    EXPECT_NE(t.find(what), std::string::npos) << what;
+    return t.replace(t.find(what), what.size(), with);
+  };
+  text = replaced("mohr_coulomb", "drucker_prager");
+  EXPECT_EQ(read_case_text("case.toml", text).what.materials.at(0).density, 1600);
+  EXPECT_NE(complaints(replaced("spacing =", "void_ratio = 0.8\nspacing =")).find("void_ratio is no key of a body"),
+            std::string::npos);
+  EXPECT_NE(complaints(replaced("psi = \"0 deg\"", "psi = \"31 deg\"")).find("must not exceed phi"), std::string::npos);
+}
+
 TEST(ReadCase, ATextThatIsNoTomlIsRefusedWhereItStops) {
   const std::string said = complaints("title = \"x\"\n[domain\n");
   EXPECT_EQ(said.rfind("case.toml:2:", 0), 0u) << said;

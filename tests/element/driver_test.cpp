@@ -147,6 +147,34 @@ TEST(Driver, AnImpossibleInitialStateIsRefused) {
                InputError);
 }
 
+TEST(Driver, ALawIsAskedOnlyForWhatItStartsFrom) {
+  const std::string segment = "[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.001\n";
+  const std::string cone =
+      "law = \"drucker_prager\"\nE = \"10 MPa\"\nnu = 0.25\nc = \"0 Pa\"\nphi = \"30 deg\"\npsi = \"0 deg\"\n";
+  const std::string grains =
+      "law = \"mu_i\"\nI_0 = 0.28\nrho_s = \"2500 kg/m3\"\nd = \"1 mm\"\nmu_s = 0.38\nmu_d = 0.66\nPhi_c = 0.7\ndPhi = "
+      "0.29\n";
+  const auto accepts = [&](const std::string& material, const std::string& initial) {
+    try {
+      read_element_test_text("test.toml",
+                             "title = \"test\"\n[material]\n" + material + "[initial]\n" + initial + segment, ".");
+    } catch (const InputError&) {
+      return false;
+    }
+    return true;
+  };
+  const std::string p = "pressure = \"100 kPa\"\n", e = "void_ratio = 0.8\n", kappa = "kappa = 0.01\n";
+  EXPECT_TRUE(accepts(cone, p));
+  EXPECT_TRUE(accepts(cone, p + kappa));
+  EXPECT_FALSE(accepts(cone, p + e));
+  EXPECT_TRUE(accepts(sand, p + e));
+  EXPECT_TRUE(accepts(sand, p + e + kappa));
+  EXPECT_FALSE(accepts(sand, p));
+  EXPECT_TRUE(accepts(grains, "background_" + p + e));
+  EXPECT_FALSE(accepts(grains, p + e));
+  EXPECT_FALSE(accepts(grains, "background_" + p + e + kappa));
+}
+
 TEST(Driver, TheFirstRowIsTheStateBeforeTheTest) {
   const auto r = run("[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.001\n", sand, sand_state);
   EXPECT_EQ(r.rows[0][r.column("time")], 0);

@@ -75,9 +75,6 @@ void read_materials(Section& root, Case& what) {
   }
 }
 
-/// Void ratios for which the law's stiffness means something (Eq. 4).
-constexpr Range sensible_void_ratio = Range::inside(0, 2.97);
-
 Region read_region(Section& s, const Case& what) {
   static constexpr const char* kinds[] = {"box", "cylinder", "polygon"};
   std::vector<std::string> given;
@@ -138,13 +135,9 @@ void read_bodies(Section& root, Case& what) {
     body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
     body.velocity =
         s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
-    const bool grains = body.material >= 0 && std::visit(
-                                                  [](const auto& law) {
-                                                    return requires { law.grain_density(); }
-                                                    || requires { law.e_ref; };
-                                                  },
-                                                  what.materials[body.material].law);
-    if (grains) body.void_ratio = s.number({"void_ratio", "1", sensible_void_ratio, "void ratio at the start"});
+    const AnyLaw* law = body.material >= 0 ? &what.materials[body.material].law : nullptr;
+    if (const std::optional<Range> range = law ? void_ratios_of(*law) : std::nullopt)
+      body.void_ratio = s.number({"void_ratio", "1", *range, "void ratio at the start"});
     body.initial_stress =
         InitialStress(s.required_choice({"initial_stress", "stress at the start", initial_stress_choices}));
 
@@ -169,21 +162,22 @@ void read_bodies(Section& root, Case& what) {
         }
       if (what.gravity[what.dim - 1] >= 0)
         s.complain("initial_stress", fmt::format("k0 needs gravity, downwards along {}", axis_names[what.dim - 1]));
-      if (body.material >= 0 && std::holds_alternative<MuI>(what.materials[body.material].law))
-        s.complain("initial_stress", "must be `zero` for law `mu_i`, whose grains carry nothing at rest");
+      if (law && !has_lasting_contacts(*law))
+        s.complain("initial_stress",
+                   fmt::format("must be `zero` for law `{}`, whose grains carry nothing at rest", name_of(*law)));
     }
-    if (body.material >= 0 && body.void_ratio)
+    if (law && body.void_ratio)
       std::visit(
-          [&]<class Law>(const Law& law) {
-            if constexpr (requires { law.collisional.Phi_c; }) {
-              if (1 / (1 + *body.void_ratio) >= law.collisional.Phi_c)
+          [&](const auto& grains) {
+            if constexpr (requires { grains.collisional.Phi_c; }) {
+              if (1 / (1 + *body.void_ratio) >= grains.collisional.Phi_c)
                 s.complain(
                     "void_ratio",
                     fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)",
-                                1 / law.collisional.Phi_c - 1));
+                                1 / grains.collisional.Phi_c - 1));
             }
           },
-          what.materials[body.material].law);
+          *law);
     s.close("a body");
     what.bodies.push_back(std::move(body));
   }

@@ -359,9 +359,8 @@ bool has_collisional_history(const AnyLaw& law) {
 InitialState read_initial(Section& root, const AnyLaw& law) {
   Section s = root.section("initial", "the state before the test");
   InitialState initial;
-  const bool collides_only = std::holds_alternative<MuI>(law);
   const Parameter pressure{"pressure", "Pa", Range::not_negative(), "isotropic pressure"};
-  if (collides_only) {
+  if (!has_lasting_contacts(law)) {
     initial.background_pressure = s.number(
         {"background_pressure", "Pa", Range::not_negative(), "constant pressure of contacts that are not modelled"});
   } else if (s.has("stress")) {
@@ -370,10 +369,9 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
   } else {
     initial.stress = opposite_sign(SymTensor<double>::isotropic(s.number(pressure)));
   }
-  const bool has_void_ratio = std::visit(
-      []<class L>(const L&) { return !std::same_as<L, LinearElastic> && !std::same_as<L, MohrCoulomb>; }, law);
-  if (has_void_ratio) initial.void_ratio = s.number({"void_ratio", "1", Range::inside(0, 2.97), "void ratio"});
-  if (has_void_ratio && !collides_only)
+  if (const std::optional<Range> range = void_ratios_of(law))
+    initial.void_ratio = s.number({"void_ratio", "1", *range, "void ratio"});
+  if (tells(law, "kappa"))
     initial.kappa =
         s.optional_number({"kappa", "1", Range::not_negative(),
                            "accumulated plastic deviatoric strain; without it, the least that carries the stress"});

@@ -1,29 +1,17 @@
 #include "talus/case/read_law.hpp"
 
-#include <fmt/format.h>
-
-#include <cmath>
+#include <algorithm>
 
 namespace talus {
 
 namespace {
 
-/// What the ranges of single parameters cannot say.
-void check(Section& section, const MuI& law) {
-  if (law.mu_d < law.mu_s)
-    section.complain(
-        "mu_d",
-        fmt::format("must not be less than mu_s = {}: friction grows with the inertial number (Eq. 16)", law.mu_s));
-}
-template <bool H>
-void check(Section& section, const GranularOf<H>& law) {
-  check(section, law.collisional);
-}
-void check(Section& section, const MohrCoulomb& law) {
-  if (law.psi > law.phi) section.complain("psi", "must not exceed phi: such a material would create energy");
-}
+/// The range of void ratios of a law that has one.
 template <class Law>
-void check(Section&, const Law&) {}
+std::optional<Range> void_ratios() {
+  if constexpr (HasVoidRatio<Law>) return Law::void_ratios;
+  return std::nullopt;
+}
 
 }  // namespace
 
@@ -39,7 +27,8 @@ AnyLaw read_law(Section& section) {
     Law law{};
     for (const auto& p : Law::parameters()) p.value(law) = section.number(p);
     for (const auto& o : Law::options()) o.set(law, section.choice(o));
-    check(section, law);
+    if constexpr (requires { law.fault(); })
+      if (const std::optional<Fault> fault = law.fault()) section.complain(fault->key, fault->why);
     law.prepare();
     result = settled(law);
   });
@@ -48,6 +37,23 @@ AnyLaw read_law(Section& section) {
 
 std::string name_of(const AnyLaw& law) {
   return std::visit([](const auto& l) { return std::string(l.name); }, law);
+}
+
+std::optional<Range> void_ratios_of(const AnyLaw& law) {
+  return std::visit([]<class Law>(const Law&) { return void_ratios<Law>(); }, law);
+}
+
+bool has_lasting_contacts(const AnyLaw& law) {
+  return std::visit([]<class Law>(const Law&) { return HasLastingContacts<Law>; }, law);
+}
+
+bool tells(const AnyLaw& law, std::string_view quantity) {
+  return std::visit(
+      [&]<class Law>(const Law&) {
+        const auto told = Law::quantities();
+        return std::any_of(told.begin(), told.end(), [&](const Quantity& q) { return q.name == quantity; });
+      },
+      law);
 }
 
 }  // namespace talus

@@ -13,4 +13,13 @@ AnyLaw read_law(Section& section);
 /// What sections of a law are called in complaints: "law `granular`".
 std::string name_of(const AnyLaw& law);
 
+/// The void ratios a user may start from; none if the law knows no void ratio.
+std::optional<Range> void_ratios_of(const AnyLaw& law);
+
+/// Whether the law carries a stress at rest.
+bool has_lasting_contacts(const AnyLaw& law);
+
+/// Whether a quantity of this name can be read off the law's state.
+bool tells(const AnyLaw& law, std::string_view quantity);
+
 }  // namespace talus

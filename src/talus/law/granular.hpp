@@ -112,6 +112,11 @@ struct GranularOf {
     return state;
   }
 
+  std::optional<Fault> fault() const { return collisional.fault(); }
+
+  static constexpr Range void_ratios = Simsand::void_ratios;
+  static constexpr bool remembers_strain_rate = WithHistory;
+  static constexpr bool controls_error = !WithHistory;
   static constexpr std::string_view name = "granular";
   static constexpr std::string_view meaning =
       "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";

@@ -10,8 +10,16 @@
 ///   turn(state, Q)            rotates what the state remembers
 ///   specific_volume(state)    volume relative to that of the grains, or of the point at the start
 ///   earth_pressure_at_rest()  horizontal over vertical stress of ground that never moved sideways
-///   grain_density()           [kg/m3], where the law knows it
 ///   name, meaning, parameters(), options(), quantities()   the tables everything else is made from
+/// and, where it applies,
+///   grain_density()           [kg/m3], of a law that knows its grains; others are given a bulk density
+///   void_ratios               the Range of void ratios it means something for: a user is asked for one
+///   lasting_contacts          false if no stress is carried at rest: a user may give none
+///   remembers_strain_rate     true if the state holds the last strain rate
+///   controls_error            true if modified_euler keeps within its tolerance however long the step
+///   fault()                   what is wrong with the parameters together
+///   compression, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
+/// How to write one: docs/howto/add_a_law.md.
 /// `update` neither allocates nor throws nor calls virtual functions. What it cannot do it says in its Response.
 
 #include <array>
@@ -26,6 +34,7 @@
 #include <vector>
 
 #include "talus/base/parameter.hpp"
+#include "talus/math/elementary.hpp"
 #include "talus/mechanics/invariants.hpp"
 #include "talus/mechanics/kinematics.hpp"
 
@@ -78,6 +87,34 @@ struct InitialState {
 /// A state, or a sentence why there is none.
 template <class State>
 using StateOrReason = std::variant<State, std::string>;
+
+/// What is wrong with parameters that are each in range: the key to mend, and why.
+struct Fault {
+  std::string_view key;
+  std::string_view why;
+};
+
+/// A law whose volume is counted from the volume of its grains: it starts from a void ratio.
+template <class Law>
+concept HasVoidRatio = std::same_as<std::remove_cvref_t<decltype(Law::void_ratios)>, Range>;
+
+/// A law that carries a stress at rest. All do unless they say otherwise.
+template <class Law>
+concept HasLastingContacts = !requires {
+  requires !Law::lasting_contacts;
+};
+
+/// A law whose state holds the last strain rate, so that its stress depends on how the rate went.
+template <class Law>
+concept RemembersStrainRate = requires {
+  requires Law::remembers_strain_rate;
+};
+
+/// A law whose explicit integrator keeps its error within the tolerance however long the step.
+template <class Law>
+concept ControlsError = requires {
+  requires Law::controls_error;
+};
 
 /// Something that can be read off a state: written to snapshots, element tests and tables.
 struct Quantity {

@@ -115,6 +115,12 @@ struct MohrCoulomb {
     return State<double>{initial.stress, p / bulk_modulus(), initial.kappa.value_or(0.0), 1};
   }
 
+  /// What the ranges of single parameters cannot say.
+  std::optional<Fault> fault() const {
+    if (psi > phi) return Fault{"psi", "must not exceed phi: such a material would create energy"};
+    return std::nullopt;
+  }
+
   static constexpr std::string_view name = "mohr_coulomb";
   static constexpr std::string_view meaning = "linear elasticity with Mohr-Coulomb strength";
   static std::span<const ParameterOf<MohrCoulomb>> parameters();

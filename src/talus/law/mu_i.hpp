@@ -204,6 +204,16 @@ struct MuI {
                          initial.void_ratio};
   }
 
+  /// What the ranges of single parameters cannot say.
+  std::optional<Fault> fault() const {
+    if (mu_d < mu_s)
+      return Fault{"mu_d", "must not be less than mu_s: friction grows with the inertial number (Eq. 16)"};
+    return std::nullopt;
+  }
+
+  static constexpr Range void_ratios = Range::positive();
+  static constexpr bool lasting_contacts = false;
+  static constexpr bool remembers_strain_rate = true;
   static constexpr std::string_view name = "mu_i";
   static constexpr std::string_view meaning =
       "collisional stress alone, under a constant background pressure (Eqs. 12-17)";

@@ -3,6 +3,7 @@
 
 #include <variant>
 
+#include "talus/law/drucker_prager.hpp"
 #include "talus/law/granular.hpp"
 #include "talus/law/linear_elastic.hpp"
 #include "talus/law/mohr_coulomb.hpp"
@@ -21,7 +22,8 @@ struct LawList {
   }
 };
 
-using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, LinearElastic, SimsandAppendixA>;
+using Laws =
+    LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LinearElastic, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
 /// The type that a law's options ask for: `granular` with a history where its collisional form needs one.

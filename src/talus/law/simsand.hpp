@@ -169,6 +169,8 @@ struct Simsand {
   /// The state under a given stress. Without kappa, the least that can carry it: kappa = k_p eta/(M_p - eta).
   StateOrReason<State<double>> at_rest(const InitialState& initial) const;
 
+  static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness means something (Eq. 4)
+  static constexpr bool controls_error = true;
   static constexpr std::string_view name = "simsand";
   static constexpr std::string_view meaning = "critical-state sand for lasting contacts (Eqs. 2-11)";
   static std::span<const ParameterOf<Simsand>> parameters();

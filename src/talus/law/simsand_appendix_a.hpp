@@ -64,6 +64,8 @@ struct SimsandAppendixA {
     return State<double>{p, sand.x_at(p), 0, initial.kappa.value_or(0), initial.void_ratio};
   }
 
+  static constexpr Range void_ratios = Simsand::void_ratios;
+  static constexpr bool controls_error = true;
   static constexpr std::string_view name = "simsand_appendix_a";
   static constexpr std::string_view meaning =
       "the paper's Appendix A taken literally, scalars in simple shear xy: element tests only";

@@ -26,10 +26,13 @@ std::vector<Vec<3>> lattice_points(const BodySpec& spec, int dim) {
 
 template <class Law>
 double bulk_density(const Law& law, const Material& material, const BodySpec& spec) {
-  if constexpr (requires { law.grain_density(); })
+  if constexpr (requires { law.grain_density(); }) {
+    static_assert(HasVoidRatio<Law>,
+                  "a law that knows the density of its grains also says which `void_ratios` it takes");
     return law.grain_density() / (1 + *spec.void_ratio);
-  else
+  } else {
     return material.density;
+  }
 }
 
 template <int Dim>

@@ -62,8 +62,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
                                 dash, colour, gnuplot_text(spec.label)));
     if (curves[i].measured.x.empty()) continue;
     data += block(spec.name + ", measured", curves[i].measured);
-    plots.push_back(
-        fmt::format("'{}.dat' index {} with points pt 7 ps 0.35 lc '{}' notitle", panel.name, n_blocks++, colour));
+    plots.push_back(fmt::format("'{}.dat' index {} with points pt 7 ps {} lc '{}' notitle", panel.name, n_blocks++,
+                                curves[i].measured.x.size() > 30 ? 0.35 : 0.8, colour));
   }
   if (plots.empty()) return true;
   write_text(folder / (panel.name + ".dat"), data);
@@ -71,7 +71,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
       "set terminal svg size 560,420 font 'sans,12' background '#ffffff'\nset output "
       "'{}.svg'\n",
       panel.name);
-  script += "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal\n";
+  script +=
+      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal height 1\n";
   if (!panel.title.empty()) script += "set title " + gnuplot_text(panel.title) + "\n";
   const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};
   for (const auto& [letter, axis] : axes) {
