@@ -35,11 +35,11 @@ struct RateInstant {
 };
 
 struct Segment {
-  double duration = 1;   ///< [s]
-  int rows = 100;        ///< of output
-  double first_row = 0;  ///< [s]; if positive, the times of rows grow from here by a constant factor
-  std::array<Control, 6> controls;
-  std::vector<RateInstant> history;  ///< if not empty: all strain rates, from a table; `controls` do not count
+  double duration = 1;               ///< [s]
+  int rows = 100;                    ///< of output
+  double first_row = 0;              ///< [s]; if positive, the times of rows grow from here by a constant factor
+  std::array<Control, 6> controls;   ///< one that names neither strain nor stress is of the strain of its own number
+  std::vector<RateInstant> history;  ///< if not empty: the rates of controls on single strains, from a table
 
   /// Time of a row since the start of the segment, for 1 <= row <= rows.
   double row_time(int row) const {

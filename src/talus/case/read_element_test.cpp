@@ -150,22 +150,32 @@ NamedTest triaxial(Section& s) {
       {"undrained", "constant volume"}, {"drained", "lateral stress held"}, {"constant_p", "mean stress held"}};
   const int kind = s.required_choice({"drainage", "what is held besides the axial strain", kinds});
   const int axis = read_axis(s, 0), side = (axis + 1) % 3, other = (axis + 2) % 3;
-  return {"axial_strain", "change of axial strain; negative is extension", [=](Course a) {
-            Controls c = no_strain();
-            c[axis] = on_strain(axis, a.rate, a.acceleration);
-            if (kind == 0) {
-              for (int i : {side, other}) c[i] = on_strain(i, -a.rate / 2, -a.acceleration / 2);
-            } else if (kind == 1) {
-              for (int i : {side, other}) c[i] = held_stress(i);
-            } else {  // the sum of the normal stresses is held, and the lateral strains stay equal
-              c[side] = held_stress(side);
-              c[side].of_stress = {1, 1, 1, 0, 0, 0};
-              c[side].name = "mean stress (times 3)";
-              c[other] = on_strain(other, 0, 0);
-              c[other].of_strain[side] = -1;
-            }
-            return c;
-          }};
+  NamedTest test{"axial_strain", "change of axial strain; negative is extension", [=](Course a) {
+                   Controls c = no_strain();
+                   c[axis] = on_strain(axis, a.rate, a.acceleration);
+                   if (kind == 0) {
+                     for (int i : {side, other}) c[i] = on_strain(i, -a.rate / 2, -a.acceleration / 2);
+                   } else if (kind == 1) {
+                     for (int i : {side, other}) c[i] = held_stress(i);
+                   } else {  // the sum of the normal stresses is held, and the lateral strains stay equal
+                     c[side] = held_stress(side);
+                     c[side].of_stress = {1, 1, 1, 0, 0, 0};
+                     c[side].name = "mean stress (times 3)";
+                     c[other] = on_strain(other, 0, 0);
+                     c[other].of_strain[side] = -1;
+                   }
+                   return c;
+                 }};
+  test.to_stress = [&s, kind, axis, side, other, controls = test.controls]() -> std::optional<Controls> {
+    const std::optional<double> target = s.optional_number({"axial_stress", "Pa", {}, "axial stress to go to"});
+    if (!target) return std::nullopt;
+    Controls c = controls({});
+    c[axis] = stress_to(axis, *target);
+    if (kind == 0)  // constant volume, whatever the axial strain turns out to be
+      for (int i : {side, other}) c[i].of_strain[axis] = 0.5;
+    return c;
+  };
+  return test;
 }
 
 NamedTest simple_shear(Section& s) {
@@ -174,14 +184,22 @@ NamedTest simple_shear(Section& s) {
   const int kind = s.required_choice({"drainage", "what is held besides the shear strain", kinds});
   static constexpr Choice planes[] = {{"xy", ""}, {"yz", ""}, {"zx", ""}};
   const int plane = s.choice({"plane", "component of the shear strain", planes});
-  return {"shear_strain", "change of the tensor shear strain, half the engineering shear strain", [=](Course g) {
-            Controls c = no_strain();
-            c[3 + plane] = on_strain(3 + plane, g.rate, g.acceleration);
-            // Planes of shear xy are normal to y, those of yz to z, those of zx to x.
-            const int normal = (plane + 1) % 3;
-            if (kind == 1) c[normal] = held_stress(normal);
-            return c;
-          }};
+  NamedTest test{"shear_strain", "change of the tensor shear strain, half the engineering shear strain", [=](Course g) {
+                   Controls c = no_strain();
+                   c[3 + plane] = on_strain(3 + plane, g.rate, g.acceleration);
+                   // Planes of shear xy are normal to y, those of yz to z, those of zx to x.
+                   const int normal = (plane + 1) % 3;
+                   if (kind == 1) c[normal] = held_stress(normal);
+                   return c;
+                 }};
+  test.to_stress = [&s, plane, controls = test.controls]() -> std::optional<Controls> {
+    const std::optional<double> target = s.optional_number({"shear_stress", "Pa", {}, "shear stress to go to"});
+    if (!target) return std::nullopt;
+    Controls c = controls({});
+    c[3 + plane] = stress_to(3 + plane, *target);
+    return c;
+  };
+  return test;
 }
 
 constexpr Choice named_tests[] = {{"isotropic_compression", "equal strain or stress along all axes"},
@@ -208,8 +226,8 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
       of_acceleration{acceleration, "1/s2", {}, "growth of its rate"};
   const std::optional<Controls> to_stress = test.to_stress();
   if (int(by_rate) + int(turning) + int(change) + int(to_stress.has_value()) != 1)
-    s.complain(fmt::format("must say one of `{}`, `{}` (with `{}`), `reversals`{}", test.leading, rate, acceleration,
-                           test.leading == "shear_strain" || s.has("drainage") ? "" : " and a stress to go to"));
+    s.complain(fmt::format("must say one of `{}`, `{}` (with `{}`), `reversals` and a stress to go to", test.leading,
+                           rate, acceleration));
   if (to_stress) {
     segment.controls = *to_stress;
     return {segment};
@@ -272,6 +290,7 @@ std::vector<RateInstant> read_rates(Section& s, const std::string& path) {
     std::istringstream cells(line);
     if (columns.empty()) {
       while (std::getline(cells, cell, ',')) {
+        cell = cell.substr(0, cell.find(" ["));  // the unit, as talus writes it
         const bool rate = cell.rfind("rate_", 0) == 0 && component(cell.substr(5)) >= 0;
         if (cell != "time" && !rate)
           return refuse("unknown column `" + cell +
@@ -309,6 +328,15 @@ std::vector<Segment> read_segment(Section& s, const std::string& folder) {
     const std::string file = s.text("rates", "CSV file of strain rates: time, rate_xx, ...; linear between instants");
     segment.history = read_rates(s, (std::filesystem::path(folder) / file).string());
     if (!segment.history.empty()) segment.duration = segment.history.back().time;
+    segment.controls = no_strain();
+    for (int i = 0; i < 6; ++i)
+      if (s.has(component_names[i])) {
+        Section c =
+            s.section(component_names[i], "a stress that is controlled while the other strains follow the table");
+        segment.controls[i] = read_control(c, i, segment.duration);
+        if (segment.controls[i].of_strain[i] != 0)
+          s.complain(component_names[i], "must control a stress; strains come from the table");
+      }
     segments = {segment};
   } else {
     segment.duration =

@@ -167,7 +167,7 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
   double high = fraction, f_high = yield_after(high);
   if (f_high <= on_surface * p) return h;
   if (f_start >= -on_surface * p) {  // it leaves the surface inwards and comes back out: stay inside
-    while (f_high > 0 && fraction > least_substep) f_high = yield_after(fraction *= 0.5);
+    while (f_high > on_surface * p && fraction > least_substep) f_high = yield_after(fraction *= 0.5);
     return h;
   }
   double low = 0, f_low = f_start;
@@ -197,7 +197,8 @@ TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::Sta
   const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
   const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
   Response<double> response{double(Outcome::elastic), 0, 0, 0, 0};
-  double done = 0, step = 1;
+  const double fading_step = size > 0 ? fading_strain / size : 1.0;
+  double done = 0, step = 1, implicit_step = fading_step;
   while (done < 1) {
     step = min(step, 1 - done);
     bool explicit_works = state.x > fading_x;
@@ -226,16 +227,19 @@ TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::Sta
         state = {stress_from(to.s, law.pressure_at(to.x)), to.x, to.kappa, to.e};
         response.outcome = double(yielding ? Outcome::plastic : Outcome::elastic);
         response.plastic_work += next.plastic_work;
-        step = taken * (next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0);
+        // What an elastic part took up to the yield surface says nothing of the steps after it.
+        if (taken == step) step *= next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0;
         done = done + taken >= 1 - 1e-14 ? 1 : done + taken;
       }
     }
     if (!explicit_works) {
-      step = min(1 - done, max(least_substep, size > 0 ? fading_strain / size : 1.0));
+      step = min(1 - done, max(least_substep, implicit_step));
       const Response<double> r =
           return_mapping(law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt});
       response.outcome = r.outcome;
       response.plastic_work += r.plastic_work;
+      // Without pressure there is nothing to follow closely.
+      implicit_step = r.outcome > double(Outcome::plastic) ? 2 * implicit_step : fading_step;
       done = done + step >= 1 - 1e-14 ? 1 : done + step;
     }
   }
