@@ -89,12 +89,11 @@ class Driver {
   using State = typename Law::template State<double>;
 
   Driver(const ElementTest& test, const Law& law) : test_(test), law_(law) {
-    // A material that collides at the start moves already as the first segment wants it; any other starts from rest.
+    // The material moves already as the first segment wants it: Eq. 12 knows no acceleration before the test.
     InitialState initial = test.initial;
     const Vector6 first =
         test.segments.empty() ? Vector6::Zero() : rate_at(completed(test.segments[0]), 0, Vector6::Zero());
-    if (double_dot(initial.collisional_stress, initial.collisional_stress) > 0)
-      initial.strain_rate = from_soil_sign(first);
+    initial.strain_rate = from_soil_sign(first);
     auto state = law.at_rest(initial);
     if (const auto* reason = std::get_if<std::string>(&state))
       throw InputError("the initial state is impossible: " + *reason);
