@@ -18,8 +18,8 @@ struct Finished {
   int code;
   std::string output;  ///< both streams
 };
-Finished talus(const std::string& arguments) {
-  FILE* pipe = ::popen((std::string(TALUS_PROGRAM) + " " + arguments + " 2>&1").c_str(), "r");
+Finished talus(const std::string& arguments, const std::string& environment = "") {
+  FILE* pipe = ::popen((environment + " " TALUS_PROGRAM " " + arguments + " 2>&1").c_str(), "r");
   std::string output;
   std::array<char, 4096> buffer;
   for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) output.append(buffer.data(), n);
@@ -163,6 +163,31 @@ rows = 4
   EXPECT_EQ(talus("element " + test + " --out " + in("shear.csv")).code, 0);
   EXPECT_EQ(contents(in("shear.csv")), to_screen.output);
   EXPECT_EQ(std::count(to_screen.output.begin(), to_screen.output.end(), '\n'), 6);  // header, start, four rows
+}
+
+TEST_F(Program, AProcessorWithoutAVX2GetsTheBuildForAllProcessors) {
+  if (!fs::exists(fs::path(TALUS_PROGRAM).parent_path() / "lib/glibc-hwcaps")) GTEST_SKIP() << "one build only";
+  const std::string run = "run " + cases + "free_fall.toml --until \"10 ms\" --out ";
+  EXPECT_EQ(talus(run + in("here")).code, 0);
+  EXPECT_EQ(talus(run + in("there"), "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2").code, 0);
+  EXPECT_TRUE(has(contents(in("here") + "/record.json"), "x86-64-v3"));
+  EXPECT_TRUE(has(contents(in("there") + "/record.json"), "baseline"));
+}
+
+TEST_F(Program, FiguresAreRemadeWithVerdictsPicturesAndTestsThatRunAgain) {
+  const Finished run = talus("reproduce 3 --from " TALUS_SOURCE_DIR "/validation --out " + in("pages"));
+  EXPECT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "claims hold")) << run.output;
+  for (const char* file : {"index.html", "figure_03/index.html", "figure_03/a.svg", "figure_03/a.png",
+                           "figure_03/appendix_a/a.gp", "figure_03/e080.csv", "figure_03/e080.toml"})
+    EXPECT_TRUE(fs::exists(folder_ / "pages" / file)) << file;
+  EXPECT_TRUE(has(contents(folder_ / "pages/figure_03/index.html"), "holds only in appendix_a"));
+  const Finished again = talus("element " + in("pages/figure_03/e080.toml") + " --out " + in("again.csv"));
+  EXPECT_EQ(again.code, 0) << again.output;
+  EXPECT_EQ(contents(in("again.csv")), contents(folder_ / "pages/figure_03/e080.csv"));
+  const Finished unknown = talus("reproduce figur_03 --from " TALUS_SOURCE_DIR "/validation --out " + in("none"));
+  EXPECT_EQ(unknown.code, 2);
+  EXPECT_TRUE(has(unknown.output, "did you mean `figure_03`")) << unknown.output;
 }
 
 TEST_F(Program, WhatItDoesNotKnowItSays) {
