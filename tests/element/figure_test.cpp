@@ -110,6 +110,12 @@ TEST(Figure, AReadingWithoutTheCurveHasNoNumberAndNeverHolds) {
   EXPECT_FALSE(v.holds[1]);
 }
 
+TEST(Figure, AStatementWithoutANumberNeedsAReasonAndNeverHolds) {
+  const std::string claim = "[[statement]]\ntext = \"t\"\n";
+  EXPECT_THROW(read(claim), InputError);
+  EXPECT_FALSE(evaluated(read(claim + "why = \"no data\"\n")).verdicts[0].in_first());
+}
+
 TEST(Figure, WrongFormulasAreRefused) {
   EXPECT_THROW(number(R"(last("a: stress_qq"))"), InputError);
   EXPECT_THROW(number(R"(last("c: stress_yy"))"), InputError);

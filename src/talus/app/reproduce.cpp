@@ -80,13 +80,15 @@ int reproduce(const ReproduceOptions& options) {
   for (RemadeFigure& f : figures) {
     f.result = evaluate_figure(f.spec, f.runs);
     drawn = write_figure(out / f.spec.name, f) && drawn;
-    int hold = 0, elsewhere = 0;
+    int hold = 0, elsewhere = 0, unchecked = 0;
+    for (const Statement& s : f.spec.statements) unchecked += s.number.empty();
     for (const Verdict& v : f.result.verdicts) {
       hold += v.in_first();
       elsewhere += !v.in_first() && v.in_another();
     }
     fmt::print("{:<24} {:>3} of {} claims hold{}\n", f.spec.name, hold, f.result.verdicts.size(),
-               elsewhere > 0 ? fmt::format(", {} more in another reading", elsewhere) : "");
+               (elsewhere > 0 ? fmt::format(", {} more in another reading", elsewhere) : "") +
+                   (unchecked > 0 ? fmt::format(", {} cannot be checked", unchecked) : ""));
   }
   if (!drawn) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
   write_figure_index(out / "index.html", figures);

@@ -40,7 +40,7 @@ struct Panel {
   std::vector<int> curves;
 };
 
-/// A claim, the number that decides it, and the range in which it holds.
+/// A claim, the number that decides it, and the range in which it holds; without a number it cannot be checked.
 struct Statement {
   std::string text, where, number, meaning, why;
   std::optional<double> at_least, at_most;

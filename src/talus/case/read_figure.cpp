@@ -69,9 +69,14 @@ Statement read_statement(Section& s) {
   Statement statement;
   statement.text = s.text("text", "what is claimed");
   statement.where = s.text("where", "where it is claimed", "");
+  statement.why = s.text("why", "what stands in the way", "");
+  if (!s.has("number")) {
+    if (statement.why.empty()) s.complain("must have a `number`, or a `why` that says why none can decide");
+    s.close("a statement");
+    return statement;
+  }
   statement.number = s.text("number", "formula of the number that decides");
   statement.meaning = s.text("meaning", "what the number is");
-  statement.why = s.text("why", "what stands in the way", "");
   statement.at_least = s.optional_number({"at_least", "1", {}, "the least at which the claim holds"});
   statement.at_most = s.optional_number({"at_most", "1", {}, "the most at which the claim holds"});
   if (!statement.at_least && !statement.at_most) s.complain("must say `at_least` or `at_most`, or both");

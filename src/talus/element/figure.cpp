@@ -190,8 +190,9 @@ FigureResult evaluate_figure(const FigureSpec& figure, const FigureRuns& runs) {
     Measures measures(figure, runs[r], panels);
     for (std::size_t s = 0; s < figure.statements.size(); ++s) {
       double number = none;
-      attempt(fmt::format("statement \"{}\"", figure.statements[s].text),
-              [&] { number = measures.number(figure.statements[s].number); });
+      if (!figure.statements[s].number.empty())
+        attempt(fmt::format("statement \"{}\"", figure.statements[s].text),
+                [&] { number = measures.number(figure.statements[s].number); });
       result.verdicts[s].numbers.push_back(number);
       result.verdicts[s].holds.push_back(figure.statements[s].allows(number));
     }

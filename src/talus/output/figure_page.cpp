@@ -101,14 +101,16 @@ void write_curves(const fs::path& folder, const RemadeFigure& figure, std::size_
 
 // ---- verdicts ----------------------------------------------------------------------------------------------------
 
-enum class Finding { holds, in_another, fails };
+enum class Finding { holds, in_another, fails, unchecked };
 
-Finding finding_of(const Verdict& v) {
+Finding finding_of(const Statement& s, const Verdict& v) {
+  if (s.number.empty()) return Finding::unchecked;
   return v.in_first() ? Finding::holds : v.in_another() ? Finding::in_another : Finding::fails;
 }
 
-std::string badge(const FigureSpec& figure, const Verdict& v) {
-  switch (finding_of(v)) {
+std::string badge(const FigureSpec& figure, const Statement& s, const Verdict& v) {
+  switch (finding_of(s, v)) {
+    case Finding::unchecked: return "<span class=\"badge open\">cannot be checked</span>";
     case Finding::holds: return "<span class=\"badge yes\">holds</span>";
     case Finding::in_another: {
       std::vector<std::string> where;
@@ -123,15 +125,17 @@ std::string badge(const FigureSpec& figure, const Verdict& v) {
 }
 
 std::string range_in_words(const Statement& s) {
+  if (s.number.empty()) return "";
   if (s.at_least && s.at_most) return fmt::format("{:.4g} to {:.4g}", *s.at_least, *s.at_most);
   return s.at_least ? fmt::format("at least {:.4g}", *s.at_least) : fmt::format("at most {:.4g}", *s.at_most);
 }
 
 std::string number_in_words(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "&ndash;"; }
 
-std::array<int, 3> count(const RemadeFigure& figure) {
-  std::array<int, 3> n{};
-  for (const Verdict& v : figure.result.verdicts) ++n[int(finding_of(v))];
+std::array<int, 4> count(const RemadeFigure& figure) {
+  std::array<int, 4> n{};
+  for (std::size_t s = 0; s < figure.spec.statements.size(); ++s)
+    ++n[int(finding_of(figure.spec.statements[s], figure.result.verdicts[s]))];
   return n;
 }
 
@@ -144,10 +148,10 @@ std::string statements_table(const RemadeFigure& figure) {
   for (std::size_t i = 0; i < spec.statements.size(); ++i) {
     const Statement& s = spec.statements[i];
     const Verdict& v = figure.result.verdicts[i];
-    out +=
-        fmt::format("<tr><td>{}{}</td><td>{}</td><td>{}<br><small><code>{}</code></small></td><td class=\"n\">{}</td>",
-                    escaped(s.text), s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>",
-                    badge(spec, v), escaped(s.meaning), escaped(s.number), range_in_words(s));
+    out += fmt::format(
+        "<tr><td>{}{}</td><td>{}</td><td>{}{}</td><td class=\"n\">{}</td>", escaped(s.text),
+        s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>", badge(spec, s, v), escaped(s.meaning),
+        s.number.empty() ? "" : "<br><small><code>" + escaped(s.number) + "</code></small>", range_in_words(s));
     for (std::size_t r = 0; r < v.numbers.size(); ++r)
       out += fmt::format("<td class=\"n\">{}{}{}</td>", v.holds[r] ? "<b>" : "", number_in_words(v.numbers[r]),
                          v.holds[r] ? "</b>" : "");
@@ -218,23 +222,23 @@ bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
 }
 
 void write_figure_index(const fs::path& file, const std::vector<RemadeFigure>& figures) {
-  std::array<int, 3> all{};
+  std::array<int, 4> all{};
   for (const RemadeFigure& f : figures)
-    for (int k = 0; k < 3; ++k) all[k] += count(f)[k];
+    for (int k = 0; k < 4; ++k) all[k] += count(f)[k];
   std::ostringstream page;
   page << page_head("What reproduces") << "<h1>What reproduces</h1>\n"
        << fmt::format(
               "<p>Of {} claims in {} figures <b>{} hold</b>, {} hold only in another reading of the source, "
-              "and <b>{} do not hold</b>. No parameter was tuned. Remade with talus {}.</p>\n",
-              all[0] + all[1] + all[2], figures.size(), all[0], all[1], all[2], escaped(version()));
+              "<b>{} do not hold</b> and {} cannot be checked. No parameter was tuned. Remade with talus {}.</p>\n",
+              all[0] + all[1] + all[2] + all[3], figures.size(), all[0], all[1], all[2], all[3], escaped(version()));
   page << "<table><tr><th>figure</th><th></th><th>holds</th><th>only in another reading</th><th>does not "
-          "hold</th></tr>\n";
+          "hold</th><th>cannot be checked</th></tr>\n";
   for (const RemadeFigure& f : figures) {
     const auto n = count(f);
     page << fmt::format("<tr><td><a href=\"{0}/index.html\">{0}</a></td><td>{1}</td>", escaped(f.spec.name),
                         escaped(f.spec.title));
-    static constexpr const char* classes[] = {"yes", "part", "no"};
-    for (int k = 0; k < 3; ++k)
+    static constexpr const char* classes[] = {"yes", "part", "no", "open"};
+    for (int k = 0; k < 4; ++k)
       page << (n[k] > 0 ? fmt::format("<td class=\"n\"><span class=\"badge {}\">{}</span></td>", classes[k], n[k])
                         : "<td></td>");
     page << "</tr>\n";
@@ -246,17 +250,20 @@ void write_figure_index(const fs::path& file, const std::vector<RemadeFigure>& f
       for (std::size_t i = 0; i < f.spec.statements.size(); ++i) {
         const Statement& s = f.spec.statements[i];
         const Verdict& v = f.result.verdicts[i];
-        if (finding_of(v) != which) continue;
-        items += fmt::format(
-            "<tr><td><a href=\"{0}/index.html\">{0}</a></td><td>{1}</td><td>{2}: {3}, not {4}.{5} "
-            "{6}</td></tr>\n",
-            escaped(f.spec.name), escaped(s.text), escaped(s.meaning), number_in_words(v.numbers[0]), range_in_words(s),
-            which == Finding::in_another ? " " + badge(f.spec, v) : "", escaped(s.why));
+        if (finding_of(s, v) != which) continue;
+        const std::string found =
+            which == Finding::unchecked
+                ? ""
+                : fmt::format("{}: {}, not {}. ", escaped(s.meaning), number_in_words(v.numbers[0]), range_in_words(s));
+        items += fmt::format("<tr><td><a href=\"{0}/index.html\">{0}</a></td><td>{1}</td><td>{2}{3}{4}</td></tr>\n",
+                             escaped(f.spec.name), escaped(s.text), found,
+                             which == Finding::in_another ? badge(f.spec, s, v) + " " : "", escaped(s.why));
       }
     if (!items.empty()) page << "<h2>" << title << "</h2>\n<table>" << items << "</table>\n";
   };
   list(Finding::fails, "What does not hold, and why");
   list(Finding::in_another, "What holds only in another reading");
+  list(Finding::unchecked, "What cannot be checked");
   page << "</body></html>\n";
   write_text(file, page.str());
 }

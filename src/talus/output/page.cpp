@@ -39,7 +39,7 @@ tr.d td { color: #777; } figure { margin: 1rem 0; } img { max-width: 100%; heigh
 .warning { border-left: .3rem solid #d55e00; padding: .3rem .8rem; background: #fdf3ec; margin: .5rem 0; }
 .claims td { border-top: 1px solid #eee; } .claims td:first-child { min-width: 18rem; } .claims tr.d td { border: 0; } code { color: #666; }
 .badge { border-radius: .6rem; padding: 0 .6rem; color: #fff; font-size: .85rem; white-space: nowrap; }
-.yes { background: #00795a; } .part { background: #9a6a00; } .no { background: #b24a00; }
+.yes { background: #00795a; } .part { background: #9a6a00; } .no { background: #b24a00; } .open { background: #666; }
 .good { border-left-color: #009e73; background: #eef8f4; } pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
 )";
 
