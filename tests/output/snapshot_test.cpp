@@ -60,6 +60,7 @@ TEST_F(Snapshots, TheSeriesListsFilesWithTheirTimes) {
   series.add(seen);
   seen.time = 0.5;
   series.add(seen);
+  series.finish();
   EXPECT_TRUE(fs::exists(series.last()));
   std::ifstream file(series.series_file());
   const auto json = nlohmann::json::parse(file);

@@ -140,9 +140,9 @@ int run_case(const RunOptions& options) {
     }
     if (history_times.due(t) || last) history.add(simulation->ledger(), outlines.find(simulation->places().places));
     if (!snapshot && !picture) return;
-    const Observation seen = simulation->observe();
-    if (snapshot) snapshots.add(seen);
+    Observation seen = simulation->observe();
     if (picture) pictures.add(seen);
+    if (snapshot) snapshots.add(std::move(seen));
   };
 
   fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", what.title, run.n_particles, run.n_threads,
@@ -157,7 +157,9 @@ int run_case(const RunOptions& options) {
       record_instant(simulation->ledger().time >= what.end);
       progress.show(simulation->ledger(), run.n_particles);
     }
+    snapshots.finish();
   } catch (const RunError& e) {
+    snapshots.finish();
     write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
     run.failure = fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}.", e.what(),
                               snapshots.last().string(), (folder / "failure.hdf").string());

@@ -115,15 +115,18 @@ void write_snapshot(const std::filesystem::path& file, const Observation& seen,
   }
 }
 
-void SnapshotSeries::add(const Observation& seen) {
-  const std::string name = fmt::format("particles_{:04d}.hdf", files_.size());
-  write_snapshot(folder_ / name, seen, fields_);
-  files_.push_back(name);
+void SnapshotSeries::add(Observation seen) {
+  finish();
+  files_.push_back(fmt::format("particles_{:04d}.hdf", files_.size()));
   times_.push_back(seen.time);
   nlohmann::json series;
   series["file-series-version"] = "1.0";
   for (std::size_t i = 0; i < files_.size(); ++i) series["files"].push_back({{"name", files_[i]}, {"time", times_[i]}});
-  std::ofstream(series_file()) << series.dump(1) << '\n';
+  writing_ = std::async(std::launch::async, [file = folder_ / files_.back(), seen = std::move(seen), fields = fields_,
+                                             list = series_file(), text = series.dump(1)] {
+    write_snapshot(file, seen, fields);
+    std::ofstream(list) << text << '\n';
+  });
 }
 
 }  // namespace talus

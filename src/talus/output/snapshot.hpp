@@ -6,6 +6,7 @@
 /// NAME.hdf.series beside them.
 
 #include <filesystem>
+#include <future>
 #include <string>
 #include <vector>
 
@@ -17,14 +18,19 @@ namespace talus {
 /// Throws std::runtime_error if it cannot be written.
 void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields);
 
-/// The snapshots of a run: numbered files and the series file that lists them with their times.
+/// The snapshots of a run: numbered files and the series file that lists them with their times. A snapshot is written
+/// while the run goes on; the next one waits for it, and brings its errors.
 class SnapshotSeries {
  public:
   /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series.
   SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields)
       : folder_(std::move(folder)), fields_(std::move(fields)) {}
-  void add(const Observation& seen);
-  /// The last file written; empty if none was.
+  void add(Observation seen);
+  /// Waits until the last one is written. HDF5 must not be used elsewhere before.
+  void finish() {
+    if (writing_.valid()) writing_.get();
+  }
+  /// The last file, once it is finished; empty if there is none.
   std::filesystem::path last() const { return files_.empty() ? std::filesystem::path() : folder_ / files_.back(); }
   std::filesystem::path series_file() const { return folder_ / "particles.hdf.series"; }
   int size() const { return int(files_.size()); }
@@ -34,6 +40,7 @@ class SnapshotSeries {
   std::vector<std::string> fields_;
   std::vector<std::string> files_;
   std::vector<double> times_;
+  std::future<void> writing_;  ///< last member: its destructor waits
 };
 
 }  // namespace talus
