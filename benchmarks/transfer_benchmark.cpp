@@ -1,0 +1,98 @@
+/// What particles and nodes tell each other: the particles of one tile, the window of the tile in cache. Times include
+/// the weights of the shape function, as in a step.
+
+#include <random>
+#include <vector>
+
+#include "per_item.hpp"
+#include "talus/mpm/transfer.hpp"
+
+namespace talus {
+namespace {
+
+/// A tile full of particles, 2^Dim in a cell, anywhere in it, in the order of the cells; and windows of nodal values.
+template <int Dim, class Shape>
+struct FullTile {
+  using Layout = TileLayout<Dim, Shape>;
+  static constexpr Index<Dim> place{};  ///< the tile's cells begin at the origin
+
+  std::vector<Vec<Dim>> particles;  ///< [cells]
+  NodeValue a[Layout::n_window], b[Layout::n_window];
+
+  FullTile() {
+    std::mt19937_64 random(1);
+    std::uniform_real_distribution<> uniform(0, 1);
+    for (int c = 0; c < Layout::n_cells; ++c)
+      for (int i = 0; i < power(2, Dim); ++i) {
+        Vec<Dim> x;
+        const Index<Dim> cell = Layout::unflatten(c, tile_edge);
+        for (int axis = 0; axis < Dim; ++axis) x[axis] = cell[axis] + uniform(random);
+        particles.push_back(x);
+      }
+    for (NodeValue* nodes : {a, b})
+      for (int i = 0; i < Layout::n_window; ++i) nodes[i] = NodeValue(uniform(random));
+  }
+
+  /// Times f(weights) for every particle.
+  template <class F>
+  void time(benchmark::State& timer, F f) {
+    for (auto _ : timer) {
+      for (const Vec<Dim>& x : particles) f(ParticleWeights<Dim, Shape>(x, place));
+      benchmark::ClobberMemory();
+    }
+    timer.counters["ns"] = ns_per_item(double(particles.size()));
+  }
+};
+
+template <int Dim, class Shape>
+void gather_gradient(benchmark::State& timer) {
+  FullTile<Dim, Shape> tile;
+  tile.time(timer, [&](const auto& w) {
+    NodeValue columns[Dim];
+    gradient(w, tile.a, columns);
+    benchmark::DoNotOptimize(columns);
+  });
+}
+
+template <int Dim, class Shape>
+void interpolate_two(benchmark::State& timer) {
+  FullTile<Dim, Shape> tile;
+  tile.time(timer, [&](const auto& w) {
+    NodeValue at_a, at_b;
+    interpolate(w, tile.a, tile.b, at_a, at_b);
+    benchmark::DoNotOptimize(at_a);
+    benchmark::DoNotOptimize(at_b);
+  });
+}
+
+template <int Dim, class Shape>
+void scatter_momentum(benchmark::State& timer) {
+  FullTile<Dim, Shape> tile;
+  tile.time(timer, [&](const auto& w) { scatter(w, NodeValue(1e-9), tile.a); });
+}
+
+template <int Dim, class Shape>
+void scatter_force(benchmark::State& timer) {
+  FullTile<Dim, Shape> tile;
+  NodeValue flux[Dim];
+  for (NodeValue& column : flux) column = NodeValue(1e-9);
+  tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, tile.a); });
+}
+
+const bool registered = [] {
+  const auto add = [](const char* name, auto f) {
+    benchmark::RegisterBenchmark(name, f)->Repetitions(n_repetitions)->MinTime(0.05);
+  };
+  add("transfer/gradient/quadratic, 2D", gather_gradient<2, Quadratic>);
+  add("transfer/gradient/quadratic, 3D", gather_gradient<3, Quadratic>);
+  add("transfer/interpolate two fields/quadratic, 2D", interpolate_two<2, Quadratic>);
+  add("transfer/interpolate two fields/quadratic, 3D", interpolate_two<3, Quadratic>);
+  add("transfer/scatter/quadratic, 2D", scatter_momentum<2, Quadratic>);
+  add("transfer/scatter/quadratic, 3D", scatter_momentum<3, Quadratic>);
+  add("transfer/scatter gradient/quadratic, 2D", scatter_force<2, Quadratic>);
+  add("transfer/scatter gradient/quadratic, 3D", scatter_force<3, Quadratic>);
+  return true;
+}();
+
+}  // namespace
+}  // namespace talus
