@@ -6,7 +6,7 @@
 ///
 ///   E = E0 p_at (2.97 - e)^2/(1 + e) (p/p_at)^n,   K = E/(3(1 - 2nu)),   G = E/(2(1 + nu))          Eq. 4
 ///   f = q - p h M_p <= 0,   h = kappa/(k_p + kappa)                                                 Eqs. 5, 6
-///   d eps_p = d kappa [A_d (M_pt - q/p) I/3 + (3/2) s/q]                                            Eq. 7
+///   d eps_v,p = d kappa A_d (M_pt - q/p),   d e_p = d kappa (3/2) s/q                               Eq. 7
 ///   e_c = e_ref exp(-Lambda (p/p_at)^xi)                                                            Eq. 8
 ///   tan phi_p = (e_c/e)^n_p tan phi_c,   tan phi_pt = (e/e_c)^n_d tan phi_c                         Eqs. 9, 10
 ///
@@ -15,8 +15,8 @@
 ///   = (1-n) K/p_at at p = p_at. It starts from zero stress without a floor; below zero it remembers the gap that has
 ///   opened between the grains, eps_gap = x/a(e_ref).
 /// - The yield condition is multiplied by p: the same zero set, nothing divided by zero.
-/// - Consistency is full: M_p moves with p, e and the Lode angle. Leaving it frozen costs 17 to 48 % in undrained
-///   paths.
+/// - Consistency is full: M_p moves with p, e and the Lode angle. Leaving it frozen costs 14 to 77 % of q in undrained
+///   paths (docs/theory/frictional_stress.md, Sec. 6).
 /// - Angles are cut at 48 degrees, 2.97 - e at 0.001; see `friction.hpp`.
 /// - With zero pressure all deviatoric strain is plastic, so kappa keeps growing and contacts can come back by
 ///   dilatancy.

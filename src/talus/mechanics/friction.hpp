@@ -22,7 +22,7 @@ inline constexpr Choice lode_choices[] = {
     {"none", "as strong in every direction as in triaxial compression"},
 };
 
-/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.6 on it is dented in simple shear
+/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.5 on it is dented in simple shear
 /// too.
 inline constexpr double steepest_tangent = 1.1106125148291928;  // tan 48 deg
 
