@@ -32,7 +32,8 @@ inline constexpr Choice collisional_form_choices[] = {
 enum class Dispersive { paper, isotropic };
 inline constexpr Choice dispersive_choices[] = {
     {"paper", "D.D, as in Eq. 12: no collisional pressure along the vorticity axis"},
-    {"isotropic", "|g|^2 I: the same pressure and shear stress in simple shear, dissipative in every flow at constant volume"},
+    {"isotropic",
+     "|g|^2 I: the same pressure and shear stress in simple shear, dissipative in every flow at constant volume"},
 };
 
 /// Parameters of the collisional stress (Table 3).

@@ -48,9 +48,14 @@ TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& s
 /// The equations of the implicit return, all evaluated at one value of x.
 template <class R>
 struct ReturnPoint {
-  R p, G, q, M_pt, eta, dkappa;
-  R scale;     ///< s = scale (s_n + 2 G e)
-  R residual;  ///< x - x_trial + a A_d (M_pt - q/p) d kappa
+  R x, ln_x;
+  R p, G, M_p, M_pt, h, dkappa;
+  R residual;  ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
+  R q_trial;   ///< of the trial stress s_n + 2 G e
+  R lowering;  ///< ln(e_ref/e_c)
+  R root;      ///< of the quadratic's discriminant
+
+  TALUS_HD R eta() const { return h * M_p; }  ///< q/p, where the point yields
 };
 
 /// The implicit return as one equation for x. Moduli are secants of the step, so elasticity is exact; the return is
@@ -60,69 +65,114 @@ struct ReturnEquation {
   const Simsand& law;
   const Trial<R>& trial;
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
-  R kappa_n, p_n, x_n, K_n, ln_e;
+  R kappa_n, p_n, x_n, ln_e;
+  R k_n;                 ///< dp/dx at the old stress
+  R ss, se, ee;          ///< s_n:s_n, s_n:e, e:e
+  R sss, sse, see, eee;  ///< s_n:s_n.s_n, e:s_n.s_n, s_n:e.e, e:e.e
+  double m;              ///< p/p_at = x^m
 
   TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain,
                           const Trial<R>& t)
-      : law(l), trial(t), s_n(deviator(state.stress)), e_dev(deviator(strain)), kappa_n(state.kappa) {
+      : law(l), trial(t), s_n(deviator(state.stress)), e_dev(deviator(strain)), kappa_n(state.kappa), m(l.exponent()) {
     const R zero = R(0.0);
     p_n = max(pressure(state.stress), zero);
     x_n = max(state.x, zero);
-    K_n = select(p_n > zero, law.bulk_modulus(t.a, p_n, max(x_n, R(1e-300))), zero);
+    k_n = select(p_n > zero, R(m) * p_n / max(x_n, R(1e-300)), zero);
     ln_e = log(t.e);
+    ss = double_dot(s_n, s_n);
+    se = double_dot(s_n, e_dev);
+    ee = double_dot(e_dev, e_dev);
+    const SymTensor<R> s2 = square(s_n), e2 = square(e_dev);
+    sss = double_dot(s2, s_n);
+    sse = double_dot(s2, e_dev);
+    see = double_dot(e2, s_n);
+    eee = double_dot(e2, e_dev);
   }
 
-  TALUS_HD ReturnPoint<R> at(R x) const {
-    const R zero = R(0.0), one = R(1.0);
+  /// At x = exp(ln_x). What takes the time is the chain of operations that wait for each other, exp to exp to square
+  /// roots, so the logarithm is handed in and divisions stand side by side where they can.
+  TALUS_HD ReturnPoint<R> at(R x, R ln_x) const {
+    const R zero = R(0.0), two = R(2.0);
     ReturnPoint<R> r;
-    const R ln_P = R(law.exponent()) * log(x);
+    r.x = x;
+    r.ln_x = ln_x;
+    const R ln_P = R(m) * ln_x;
     r.p = R(atmospheric_pressure) * exp(ln_P);
 
-    // K = change of pressure over elastic strain; the mean of the tangents where the two are too close to subtract.
+    // K/a = change of pressure over change of x; the mean of the tangents where the two are too close to subtract.
     const R step = x - x_n;
     const mask_t<R> far = abs(step) > R(1e-4) * x;
-    const R secant = trial.a * (r.p - p_n) / select(far, step, one);
-    r.G = R(law.shear_to_bulk()) * select(far, secant, R(0.5) * (K_n + law.bulk_modulus(trial.a, r.p, x)));
-    const SymTensor<R> s_trial = s_n + (R(2.0) * r.G) * e_dev;
-    const R q_trial = von_mises(s_trial);
+    const R rise = select(far, r.p - p_n, R(0.5) * (k_n * x + R(m) * r.p)), run = select(far, step, x);
+    r.G = R(law.shear_to_bulk()) * trial.a * rise / run;
+
+    // Invariants of the trial stress, polynomials in G: q and S = (9/2) tr s^3/q^3.
+    const R g = two * r.G;
+    const R q2 = R(1.5) * max(ss + g * (two * se + g * ee), zero);
+    const R trace3 = sss + g * (R(3.0) * (sse + g * see) + g * g * eee);
+    r.q_trial = sqrt(q2);
+    const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * r.q_trial / max(q2 * q2, R(1e-300))));
 
     const R density = law.ln_density(ln_P, ln_e);
-    const R S = lode_sine(s_trial);
-    const R M_p = friction_slope(law.lode, law.peak_tangent(density), S);
+    r.lowering = R(law.ln_e_ref) - ln_e - density;
+    r.M_p = friction_slope(law.lode, law.peak_tangent(density), S);
     r.M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
 
     // f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
-    const R G3 = R(3.0) * r.G, strength = r.p * M_p, k = R(law.k_p) + kappa_n;
-    const R excess = q_trial * k - strength * kappa_n;  // positive where the trial stress is outside
-    const R b = G3 * k + strength - q_trial;
-    const R root = b + sqrt(max(b * b + R(4.0) * G3 * excess, zero));
-    const mask_t<R> yields = excess > zero;
-    r.dkappa = select(yields, R(2.0) * excess / max(root, R(1e-300)), zero);
-    r.q = select(yields, strength * law.hardening(kappa_n + r.dkappa), q_trial);
-    r.scale = r.q / max(q_trial, R(1e-300));
-    r.eta = r.q / r.p;
-    r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta) * r.dkappa;
+    const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
+    const R excess = two * max(r.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
+    const R b = G3 * k + strength - r.q_trial;
+    r.root = sqrt(max(b * b + two * G3 * excess, zero));
+    const R below = max(b + r.root, R(1e-300));  // dk = excess/below
+    r.dkappa = excess / below;
+    r.h = (kappa_n * below + excess) / (k * below + excess);  // (kappa_n + dk)/(k + dk)
+    r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
     return r;
   }
 
+  /// d residual/dx, nearly: where the point yields, at a constant Lode angle, M taken as proportional to the tangent
+  /// of its angle.
+  TALUS_HD R slope(const ReturnPoint<R>& r) const {
+    const R one = R(1.0), per_x = one / r.x;
+    const R dp = R(m) * r.p * per_x, dG = R(0.5 * (m - 1) * law.shear_to_bulk()) * trial.a * dp * per_x;
+    const R ddensity = R(-m * law.xi) * r.lowering * per_x;
+    const R dstrength = r.M_p * (dp + R(law.n_p) * ddensity * r.p);
+    const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG / max(r.q_trial, R(1e-300));
+    const R kappa = kappa_n + r.dkappa, k = R(law.k_p) + kappa;
+    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * kappa) / max(r.root, R(1e-300));
+    const R deta = r.eta() * R(law.n_p) * ddensity + (r.M_p - r.eta()) * ddkappa / k;
+    const R dM_pt = R(-law.n_d) * r.M_pt * ddensity;
+    return one + trial.a * R(law.A_d) * ((dM_pt - deta) * r.dkappa + (r.M_pt - r.eta()) * ddkappa);
+  }
+
   TALUS_HD SymTensor<R> stress(const ReturnPoint<R>& r) const {
-    return stress_from(r.scale * (s_n + (R(2.0) * r.G) * e_dev), r.p);
+    const SymTensor<R> s_trial = s_n + (R(2.0) * r.G) * e_dev;
+    const R back = r.p * r.eta() / max(von_mises(s_trial), R(1e-300));
+    return stress_from(select(r.dkappa > R(0.0), back, R(1.0)) * s_trial, r.p);
   }
 };
 
 template <Number R>
 TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
   using talus::select;
-  return {select(m, a.p, b.p),         select(m, a.G, b.G),
-          select(m, a.q, b.q),         select(m, a.M_pt, b.M_pt),
-          select(m, a.eta, b.eta),     select(m, a.dkappa, b.dkappa),
-          select(m, a.scale, b.scale), select(m, a.residual, b.residual)};
+  return {select(m, a.x, b.x),
+          select(m, a.ln_x, b.ln_x),
+          select(m, a.p, b.p),
+          select(m, a.G, b.G),
+          select(m, a.M_p, b.M_p),
+          select(m, a.M_pt, b.M_pt),
+          select(m, a.h, b.h),
+          select(m, a.dkappa, b.dkappa),
+          select(m, a.residual, b.residual),
+          select(m, a.q_trial, b.q_trial),
+          select(m, a.lowering, b.lowering),
+          select(m, a.root, b.root)};
 }
 
 /// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
 /// their pressure.
 template <Number R>
-TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state, const Motion<R>& motion) {
+[[gnu::flatten]] TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
+                                                     const Motion<R>& motion) {
   using M = mask_t<R>;
   using talus::select;
   const R zero = R(0.0), floor = R(least_x), unbounded = R(1e300);
@@ -130,35 +180,44 @@ TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state
   const Trial<R> trial = try_elastic(law, state, D_v);
   const ReturnEquation<R> equation(law, state, motion.strain, trial);
 
-  R x = max(trial.x, floor);
-  ReturnPoint<R> r = equation.at(x);
+  const R start = max(trial.x, floor);
+  ReturnPoint<R> r = equation.at(start, log(start));
   const M elastic = (r.dkappa <= zero) & (trial.x > floor);
   M lost = (!trial.can_touch) | ((trial.x <= floor) & (r.residual >= zero));
   M open = !(elastic | lost);
 
   // The residual is negative at `low` and positive at `high`, once either is known.
   M low_known = r.residual < zero;
-  R low = select(low_known, x, floor), high = select(low_known, unbounded, x);
-  R x_next = x - r.residual;
-  const R tolerance = R(1e-11) * max(x, abs(trial.x));
+  R low = select(low_known, r.x, floor), high = select(low_known, unbounded, r.x);
+  // x is found to 1e-10; no closer to rounding than 1e-13 of what the residual adds up.
+  const R noise = R(1e-13) * abs(trial.x);
+  // What the next guess adds to x: a Newton step first, then steps of the secant.
+  R step = -r.residual / max(equation.slope(r), R(0.1));
   for (int iteration = 0; iteration < 200 && any(open); ++iteration) {
-    const R middle = select(high < unbounded, R(0.5) * (low + high), R(2.0) * low);
-    x_next = select((x_next > low) & (x_next < high), x_next, select(low_known, middle, floor));
-    const ReturnPoint<R> next = equation.at(select(open, x_next, x));
+    R target = r.x + step;
+    const M inside = (target > low) & (target < high), near = inside & (abs(step) < R(0.5) * r.x);
+    // A short step in ln x: ln(1 + d) = d (6 + d)/(6 + 4 d), nearly.
+    R ln_x = r.ln_x + step * (R(6.0) * r.x + step) / (r.x * (R(6.0) * r.x + R(4.0) * step));
+    if (!all(near | !open)) {
+      const R middle = select(high < unbounded, R(0.5) * (low + high), R(2.0) * low);
+      target = select(inside, target, select(low_known, middle, floor));
+      ln_x = select(near, ln_x, log(target));
+    }
+    const ReturnPoint<R> next = equation.at(exp(ln_x), ln_x);
     const M negative = next.residual < zero;
-    const M gone = open & (x_next <= floor) & !negative;
+    const M gone = open & (target <= floor) & !negative;
     lost = lost | gone;
 
-    const R slope = (next.residual - r.residual) / select(x_next == x, R(1.0), x_next - x);
+    const R dx = next.x - r.x, dresidual = next.residual - r.residual;
     r = select<R>(open, next, r);
-    x = select(open, x_next, x);
-    low = select(open & negative, x, low);
-    high = select(open & !negative, x, high);
+    low = select(open & negative, r.x, low);
+    high = select(open & !negative, r.x, high);
     low_known = low_known | (open & negative);
-    open = open & !gone & (abs(r.residual) > tolerance) & ((high - low) > R(4e-16) * high);
+    open = open & !gone & (abs(r.residual) > max(R(1e-10) * r.x, noise)) & ((high - low) > R(4e-16) * high);
     // The secant's root if it is one; an impossible value halves the bracket instead.
-    x_next = select(slope > R(1e-6), x - r.residual / max(slope, R(1e-6)), -unbounded);
+    step = select(dresidual * dx > R(1e-6) * dx * dx, -r.residual * dx / dresidual, -unbounded);
   }
+  const R x = r.x;
 
   const M carries = !lost;
   const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
@@ -176,7 +235,7 @@ TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state
   response.outcome = select(open, R(double(Outcome::unconverged)), response.outcome);
   response.stiffness = select(carries, law.wave_modulus(law.bulk_modulus(trial.a, r.p, x)), zero);
   response.viscosity = zero;
-  response.plastic_work = select(carries, (r.p * R(law.A_d) * (r.M_pt - r.eta) + r.q) * r.dkappa, zero);
+  response.plastic_work = select(carries, r.p * (R(law.A_d) * (r.M_pt - r.eta()) + r.eta()) * r.dkappa, zero);
   response.collisional_work = zero;
   return response;
 }

@@ -39,17 +39,16 @@ TALUS_HD R exp(R x) {
   const R k = shifted - R(rounding);
   const R high = multiply_add(k, R(-ln2_high), x);
   const R r = multiply_add(k, R(-ln2_low), high);
-  R poly = R(2.5000017875679497e-08);
-  poly = multiply_add(poly, r, R(2.763030588115576e-07));
-  poly = multiply_add(poly, r, R(2.7557586805567873e-06));
-  poly = multiply_add(poly, r, R(2.480149295076879e-05));
-  poly = multiply_add(poly, r, R(0.00019841269505773925));
-  poly = multiply_add(poly, r, R(0.0013888888943758742));
-  poly = multiply_add(poly, r, R(0.008333333333494976));
-  poly = multiply_add(poly, r, R(0.04166666666652973));
-  poly = multiply_add(poly, r, R(0.1666666666666641));
-  poly = multiply_add(poly, r, R(0.5000000000000011));
-  const R e_r = R(1.0) + multiply_add(r * r, poly, r);
+  // Pairs, then pairs of pairs: the chain of operations that wait for each other is half as long as Horner's.
+  const R r2 = r * r, r4 = r2 * r2;
+  const R c01 = multiply_add(R(0.1666666666666641), r, R(0.5000000000000011));
+  const R c23 = multiply_add(R(0.008333333333494976), r, R(0.04166666666652973));
+  const R c45 = multiply_add(R(0.00019841269505773925), r, R(0.0013888888943758742));
+  const R c67 = multiply_add(R(2.7557586805567873e-06), r, R(2.480149295076879e-05));
+  const R c89 = multiply_add(R(2.5000017875679497e-08), r, R(2.763030588115576e-07));
+  const R low = multiply_add(c23, r2, c01), middle = multiply_add(c67, r2, c45);
+  const R poly = multiply_add(multiply_add(c89, r4, middle), r4, low);
+  const R e_r = R(1.0) + multiply_add(r2, poly, r);
   // 2^k: the low bits of `shifted` hold k.
   const auto two_to_k = (bits(shifted) + 1023u) << 52;
   return e_r * number(two_to_k);
@@ -71,13 +70,12 @@ TALUS_HD R log(R x) {
   const R f = m - R(1.0);
   const R s = f / (R(2.0) + f);  // ln m = 2 atanh s
   const R z = s * s;
-  R poly = R(0.1479750753439275);
-  poly = multiply_add(poly, z, R(0.1531390325573426));
-  poly = multiply_add(poly, z, R(0.18183569739863428));
-  poly = multiply_add(poly, z, R(0.22222198475975002));
-  poly = multiply_add(poly, z, R(0.2857142874326292));
-  poly = multiply_add(poly, z, R(0.3999999999941109));
-  poly = multiply_add(poly, z, R(0.6666666666666735));
+  const R z2 = z * z, z4 = z2 * z2;
+  const R c01 = multiply_add(R(0.3999999999941109), z, R(0.6666666666666735));
+  const R c23 = multiply_add(R(0.22222198475975002), z, R(0.2857142874326292));
+  const R c45 = multiply_add(R(0.1531390325573426), z, R(0.18183569739863428));
+  const R low = multiply_add(c23, z2, c01);
+  const R poly = multiply_add(multiply_add(R(0.1479750753439275), z2, c45), z4, low);
   const R half_f2 = R(0.5) * f * f;
   const R tail = multiply_add(s, multiply_add(z, poly, half_f2), k * R(ln2_low));
   return multiply_add(k, R(ln2_high), f - (half_f2 - tail)) + trouble;

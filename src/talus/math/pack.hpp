@@ -104,7 +104,7 @@ TALUS_HD inline double multiply_add(double a, double b, double c) {
   if constexpr (has_fma) return __builtin_fma(a, b, c);
   return a * b + c;
 }
-inline Pack multiply_add(Pack a, Pack b, Pack c) {
+[[gnu::always_inline]] inline Pack multiply_add(Pack a, Pack b, Pack c) {
   if constexpr (has_fma) return Pack(fused_multiply_add(a.lanes, b.lanes, c.lanes));
   return a * b + c;
 }

@@ -52,27 +52,24 @@ TALUS_HD R lode_angle(R S) {
 /// Slope M of the failure line in the p-q plane for the friction angle with tangent `t` (0 <= t <= `steepest_tangent`)
 /// at S = sin 3theta.
 ///   sheng:         M = M_c (2 c^4 / (1 + c^4 + (1 - c^4) S))^(1/4),
-///                  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi)
+///                  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi);
+///                  with w = 1/cos phi that is M = 6 t / (A + B S)^(1/4),
+///                  2 A = (3 w + t)^4 + (3 w - t)^4,  2 B = (3 w + t)^4 - (3 w - t)^4
 ///   mohr_coulomb:  M = 3 sin phi / (sqrt 3 cos theta + sin phi sin theta)
 template <class R>
 TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
-  const R sine = sine_of_tangent(t);
-  const R minus = R(3.0) - sine;
-  switch (rule) {
-    case LodeRule::none: return R(6.0) * sine / minus;
-    case LodeRule::mohr_coulomb: {
-      const R theta = detail::lode_angle(S);
-      const R cosine = lanewise([](double a) { return std::cos(a); }, theta);
-      const R sine_theta = lanewise([](double a) { return std::sin(a); }, theta);
-      return R(3.0) * sine / (R(std::numbers::sqrt3) * cosine + sine * sine_theta);
-    }
-    case LodeRule::sheng: break;
+  const R t2 = t * t, w2 = R(1.0) + t2;
+  if (rule == LodeRule::sheng) {
+    const R A = R(81.0) * w2 * w2 + t2 * (R(54.0) * w2 + t2);
+    const R B = R(12.0) * t * sqrt(w2) * (R(9.0) * w2 + t2);
+    return R(6.0) * t / sqrt(sqrt(A + B * S));
   }
-  // With a = (3 - sin phi)^4 and b = (3 + sin phi)^4, the paper's c^4 is a/b.
-  const R plus = R(3.0) + sine;
-  const R minus2 = minus * minus, plus2 = plus * plus;
-  const R a = minus2 * minus2, b = plus2 * plus2;
-  return R(6.0) * sine / minus * sqrt(sqrt(R(2.0) * a / (b + a + (b - a) * S)));
+  const R sine = sine_of_tangent(t);
+  if (rule == LodeRule::none) return R(6.0) * sine / (R(3.0) - sine);
+  const R theta = detail::lode_angle(S);
+  const R cosine = lanewise([](double a) { return std::cos(a); }, theta);
+  const R sine_theta = lanewise([](double a) { return std::sin(a); }, theta);
+  return R(3.0) * sine / (R(std::numbers::sqrt3) * cosine + sine * sine_theta);
 }
 
 /// The slope as in `friction_slope`, with its derivatives.
