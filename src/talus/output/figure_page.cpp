@@ -151,7 +151,8 @@ std::string statements_table(const RemadeFigure& figure) {
     out += fmt::format(
         "<tr><td>{}{}</td><td>{}</td><td>{}{}</td><td class=\"n\">{}</td>", escaped(s.text),
         s.where.empty() ? "" : " <small>(" + escaped(s.where) + ")</small>", badge(spec, s, v), escaped(s.meaning),
-        s.number.empty() ? "" : "<br><small><code>" + escaped(s.number) + "</code></small>", range_in_words(s));
+        s.number.empty() ? "" : "<details><summary>formula</summary><code>" + escaped(s.number) + "</code></details>",
+        range_in_words(s));
     for (std::size_t r = 0; r < v.numbers.size(); ++r)
       out += fmt::format("<td class=\"n\">{}{}{}</td>", v.holds[r] ? "<b>" : "", number_in_words(v.numbers[r]),
                          v.holds[r] ? "</b>" : "");

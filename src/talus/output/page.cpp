@@ -37,7 +37,7 @@ td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowra
 tr.d td { color: #777; } figure { margin: 1rem 0; } img { max-width: 100%; height: auto; } figcaption { color: #555; font-size: .9rem; }
 .charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(26rem, 1fr)); gap: 1rem; }
 .warning { border-left: .3rem solid #d55e00; padding: .3rem .8rem; background: #fdf3ec; margin: .5rem 0; }
-.claims td { border-top: 1px solid #eee; } .claims td:first-child { min-width: 18rem; } .claims tr.d td { border: 0; } code { color: #666; }
+.claims td { border-top: 1px solid #eee; } .claims td:first-child { min-width: 18rem; } .claims tr.d td { border: 0; } code, summary { color: #666; font-size: .85rem; }
 .badge { border-radius: .6rem; padding: 0 .6rem; color: #fff; font-size: .85rem; white-space: nowrap; }
 .yes { background: #00795a; } .part { background: #9a6a00; } .no { background: #b24a00; } .open { background: #666; }
 .good { border-left-color: #009e73; background: #eef8f4; } pre { background: #f6f6f6; padding: .8rem; overflow-x: auto; font-size: .85rem; }
