@@ -43,7 +43,7 @@ std::string block(const std::string& name, const Points& points) {
     if (std::isfinite(points.x[i]) && std::isfinite(points.y[i]))
       text += fmt::format("{:.8g} {:.8g}\n", points.x[i], points.y[i]);
     else
-      text += "\n";
+      text += "NaN NaN\n";  // a gap in the line; empty lines would end the block
   return text + "\n\n";
 }
 
