@@ -45,9 +45,10 @@ class TimedLoop final : public Loop {
   explicit TimedLoop(int most_threads) : threaded_(make_openmp(most_threads)), serial_(make_serial()) {}
 
   int n_workers() const override { return threaded_->n_workers(); }
-  void for_each(int n, const std::function<void(int, int)>& body) override {
+  using Loop::for_each;
+  void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
     const double start = cpu_seconds();
-    (threaded ? threaded_ : serial_)->for_each(n, body);
+    (threaded ? threaded_ : serial_)->for_each(shares, body);
     seconds[phase_of(body.target_type())] += cpu_seconds() - start;
   }
 

@@ -16,18 +16,19 @@ struct FullTile {
   using Layout = TileLayout<Dim, Shape>;
   static constexpr Index<Dim> place{};  ///< the tile's cells begin at the origin
 
-  std::vector<Vec<Dim>> particles;  ///< [cells]
+  std::vector<FourPlaces<Dim>> fours;  ///< the particles, four at a time [cells]
   NodeValue a[Layout::n_window], b[Layout::n_window];
 
   FullTile() {
     std::mt19937_64 random(1);
     std::uniform_real_distribution<> uniform(0, 1);
     for (int c = 0; c < Layout::n_cells; ++c)
-      for (int i = 0; i < power(2, Dim); ++i) {
-        Vec<Dim> x;
+      for (int i = 0; i < power(2, Dim) / 4; ++i) {
+        FourPlaces<Dim> x;
         const Index<Dim> cell = Layout::unflatten(c, tile_edge);
-        for (int axis = 0; axis < Dim; ++axis) x[axis] = cell[axis] + uniform(random);
-        particles.push_back(x);
+        for (int axis = 0; axis < Dim; ++axis)
+          for (int lane = 0; lane < 4; ++lane) x[axis].set(lane, cell[axis] + uniform(random));
+        fours.push_back(x);
       }
     for (NodeValue* nodes : {a, b})
       for (int i = 0; i < Layout::n_window; ++i) nodes[i] = NodeValue(uniform(random));
@@ -37,10 +38,13 @@ struct FullTile {
   template <class F>
   void time(benchmark::State& timer, F f) {
     for (auto _ : timer) {
-      for (const Vec<Dim>& x : particles) f(ParticleWeights<Dim, Shape>(x, place));
+      for (const FourPlaces<Dim>& x : fours) {
+        const FourWeights<Dim, Shape> w(x, place);
+        for (int lane = 0; lane < 4; ++lane) f(ParticleWeights<Dim, Shape>{w, lane});
+      }
       benchmark::ClobberMemory();
     }
-    timer.counters["ns"] = ns_per_item(double(particles.size()));
+    timer.counters["ns"] = ns_per_item(4.0 * double(fours.size()));
   }
 };
 

@@ -2,33 +2,64 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 namespace talus {
 namespace {
 
-Pack pack(double a, double b, double c, double d) {
-  Pack p;
-  p.set(0, a);
-  p.set(1, b);
-  p.set(2, c);
-  p.set(3, d);
+/// a, a + step, a + 2 step, ...
+template <class P = Pack>
+P counting(double a, double step = 1) {
+  P p;
+  for (int lane = 0; lane < P::width; ++lane) p.set(lane, a + lane * step);
   return p;
 }
 
 TEST(Pack, LanesDoNotMix) {
-  const Pack a = pack(1, 2, 3, 4), b = pack(10, 20, 30, 40);
+  const Pack a = counting(1), b = counting(10, 10);
   const Pack r = a * b + b / a - a;
   for (int i = 0; i < pack_width; ++i) EXPECT_EQ(r[i], a[i] * b[i] + b[i] / a[i] - a[i]);
 }
 
 TEST(Pack, SelectTakesTheFirstWhereTheMaskIsTrue) {
-  const Pack r = select(pack(1, -1, 0, 2) > Pack(0.0), Pack(7.0), Pack(-7.0));
-  EXPECT_EQ(r[0], 7);
-  EXPECT_EQ(r[1], -7);
-  EXPECT_EQ(r[2], -7);
-  EXPECT_EQ(r[3], 7);
+  const Pack r = select(counting(-2.5) > Pack(0.0), Pack(7.0), Pack(-7.0));
+  for (int i = 0; i < pack_width; ++i) EXPECT_EQ(r[i], i > 2 ? 7 : -7);
+}
+
+TEST(Pack, FloorGoesDownAlsoBelowZero) {
+  const Pack r = floor(counting(-1.5, 0.5));
+  for (int i = 0; i < pack_width; ++i) EXPECT_EQ(r[i], std::floor(-1.5 + 0.5 * i));
+}
+
+TEST(Pack, LoadsAndStoresTouchNothingBehindTheLastNumber) {
+  for (int count = 1; count <= pack_width; ++count) {
+    std::vector<double> column(count);  // an address sanitizer sees what lies behind
+    for (int i = 0; i < count; ++i) column[i] = i;
+    const Pack p = load<Pack>(column.data(), count);
+    for (int lane = 0; lane < pack_width; ++lane) EXPECT_EQ(p[lane], std::min(lane, count - 1));
+    store(column.data(), p + Pack(1.0), count);
+    for (int i = 0; i < count; ++i) EXPECT_EQ(column[i], i + 1);
+  }
+}
+
+TEST(Pack, SumsAndMaximaSeeEveryLane) {
+  EXPECT_EQ(sum_of(counting(1)), 36);
+  EXPECT_EQ(sum_of(counting(1), 3), 6);
+  for (int lane = 0; lane < pack_width; ++lane) {
+    Pack p(-1.0);
+    p.set(lane, 5);
+    EXPECT_EQ(largest_of(p), 5);
+  }
+}
+
+TEST(Quad, RowsBecomeColumns) {
+  Quad m[4] = {counting<Quad>(0), counting<Quad>(10), counting<Quad>(20), counting<Quad>(30)};
+  transpose(m);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) EXPECT_EQ(m[i][j], 10 * j + i);
 }
 
 TEST(Pack, AnyAndAllLookAtEveryLane) {
@@ -57,15 +88,17 @@ TEST(Pack, ALaneTakenOutAndPutBackIsTheSame) {
   struct One {
     double a, b;
   };
-  Many many{pack(1, 2, 3, 4), pack(5, 6, 7, 8)};
-  One one = lane_of<One>(many, 2);
-  EXPECT_EQ(one.a, 3);
-  EXPECT_EQ(one.b, 7);
-  one.b = -1;
-  set_lane(many, 2, one);
-  EXPECT_EQ(many.b[2], -1);
-  EXPECT_EQ(many.b[1], 6);
-  EXPECT_EQ(many.a[2], 3);
+  for (int lane : {2, 5}) {
+    Many many{counting(1), counting(11)};
+    One one = lane_of<One>(many, lane);
+    EXPECT_EQ(one.a, 1 + lane);
+    EXPECT_EQ(one.b, 11 + lane);
+    one.b = -1;
+    set_lane(many, lane, one);
+    EXPECT_EQ(many.b[lane], -1);
+    EXPECT_EQ(many.b[lane - 1], 10 + lane);
+    EXPECT_EQ(many.a[lane], 1 + lane);
+  }
 }
 
 }  // namespace

@@ -13,6 +13,23 @@
 namespace talus {
 namespace {
 
+/// A point and its weights. It is the third of four; the others stand elsewhere.
+template <int Dim, class Shape>
+class Point {
+ public:
+  Point(const Vec<Dim>& x, const Index<Dim>& place) : four_(with_others(x), place) {}
+  ParticleWeights<Dim, Shape> weights() const { return {four_, 2}; }
+
+ private:
+  static FourPlaces<Dim> with_others(const Vec<Dim>& x) {
+    FourPlaces<Dim> places;
+    for (int a = 0; a < Dim; ++a)
+      for (int lane = 0; lane < 4; ++lane) places[a].set(lane, x[a] + 0.3 * (lane - 2));
+    return places;
+  }
+  FourWeights<Dim, Shape> four_;
+};
+
 /// Points scattered over a few tiles, also on cell faces and astray, with what they scatter added up node by node
 /// without tiles.
 template <int Dim, class Shape>
@@ -51,7 +68,7 @@ struct Scattered {
         }
         NodeValue value(0.0);
         for (int lane = 0; lane < 4; ++lane) value.set(lane, uniform(-1, 1));
-        scatter(ParticleWeights<Dim, Shape>(x, places[t]), value, grid.window(int(t)));
+        scatter(Point<Dim, Shape>(x, places[t]).weights(), value, grid.window(int(t)));
         for (int n = 0; n < power(Shape::support, Dim); ++n) {
           const Index<Dim> k = Layout::unflatten(n, Shape::support);
           Index<Dim> node;
@@ -139,7 +156,8 @@ TYPED_TEST(GridSums, LinearFieldsAreInterpolatedExactlyWithTheirGradient) {
   for (double f : {-0.4, 0.0, 0.3, 1.5, 2.0, 3.9, 4.4}) {
     Vec<Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = tile_edge * place[a] + f;
-    const ParticleWeights<Dim, Shape> w(x, place);
+    const Point<Dim, Shape> point(x, place);
+    const auto w = point.weights();
     NodeValue value, two, columns[Dim];
     interpolate(w, field.data(), other.data(), value, two);
     gradient(w, field.data(), columns);
@@ -166,7 +184,7 @@ TYPED_TEST(GridSums, ForcesOfAStressedPointSumToZeroAndItsVirialIsTheStress) {
   NodeValue flux[Dim];
   for (int a = 0; a < Dim; ++a)
     for (int c = 0; c < 4; ++c) flux[a].set(c, 1 + a + 10 * c);
-  scatter_gradient(ParticleWeights<Dim, Shape>(x, Index<Dim>{}), flux, nodes.data());
+  scatter_gradient(Point<Dim, Shape>(x, Index<Dim>{}).weights(), flux, nodes.data());
   for (int c = 0; c < Dim; ++c) {
     double sum = 0, virial[3] = {0, 0, 0};
     for (int i = 0; i < Layout::n_window; ++i) {
@@ -194,7 +212,7 @@ TEST(Walls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
     value.set(1, 5);
     value.set(3, 2);
     const double y = 0.2;
-    scatter(ParticleWeights<2, Shape>({2.0, y}, {0, 0}), value, grid.window(0));
+    scatter(Point<2, Shape>({2.0, y}, {0, 0}).weights(), value, grid.window(0));
     for (int t = 0; t < grid.n_tiles(); ++t) grid.add_windows(t);
     const Boundary<2, Shape> boundary(domain, grid);
     boundary.fold_images(grid, *loop);
@@ -227,7 +245,7 @@ TEST(Walls, BesideAWallTheForbiddenVelocityIsLinearAndZeroOnIt) {
   NodeValue window[TileLayout<2, Shape>::n_window], v, unused;
   grid.fill_window(0, grid.velocity(), window);
   for (double y : {0.0, 0.1, 0.25, 0.5}) {
-    interpolate(ParticleWeights<2, Shape>({1.7, y}, {0, 0}), window, window, v, unused);
+    interpolate(Point<2, Shape>({1.7, y}, {0, 0}).weights(), window, window, v, unused);
     EXPECT_NEAR(v[0], 2 * y, 1e-14);  // the first node off the wall has 2
     EXPECT_NEAR(v[1], 2 * y, 1e-14);
   }
@@ -245,10 +263,10 @@ TEST(Walls, InACornerBothWallsAct) {
   boundary.extend_to_images(grid, *loop, [&](int t) { return grid.velocity(t); });
   NodeValue window[TileLayout<2, Shape>::n_window], v, unused;
   grid.fill_window(0, grid.velocity(), window);
-  interpolate(ParticleWeights<2, Shape>({0.0, 0.0}, {0, 0}), window, window, v, unused);
+  interpolate(Point<2, Shape>({0.0, 0.0}, {0, 0}).weights(), window, window, v, unused);
   EXPECT_NEAR(v[0], 0, 1e-15);
   EXPECT_NEAR(v[1], 0, 1e-15);
-  interpolate(ParticleWeights<2, Shape>({0.0, 2.0}, {0, 0}), window, window, v, unused);
+  interpolate(Point<2, Shape>({0.0, 2.0}, {0, 0}).weights(), window, window, v, unused);
   EXPECT_NEAR(v[0], 0, 1e-15);
   EXPECT_NEAR(v[1], 1, 1e-15);  // smooth: slides along x = 0
 }

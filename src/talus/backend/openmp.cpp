@@ -1,5 +1,6 @@
 #include <omp.h>
 
+#include <atomic>
 #include <exception>
 
 #include "talus/backend/backend.hpp"
@@ -10,21 +11,26 @@ namespace {
 
 class OpenMP final : public Loop {
  public:
-  explicit OpenMP(int n_threads) : n_threads_(n_threads) {}
+  explicit OpenMP(int n_threads) : n_threads_(n_threads), next_(n_threads) {}
   int n_workers() const override { return n_threads_; }
 
-  void for_each(int n, const std::function<void(int, int)>& body) override {
+  using Loop::for_each;
+  void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
+    for (int w = 0; w < n_threads_; ++w) next_[w].number.store(shares[w], std::memory_order_relaxed);
     std::exception_ptr failure;
 #pragma omp parallel num_threads(n_threads_)
     {
       const int worker = omp_get_thread_num();
-#pragma omp for schedule(dynamic, 1)
-      for (int i = 0; i < n; ++i) {
-        try {
-          body(i, worker);
-        } catch (...) {
+      for (int k = 0; k < n_threads_; ++k) {
+        const int whose = (worker + k) % n_threads_;
+        int i;
+        while ((i = next_[whose].number.fetch_add(1, std::memory_order_relaxed)) < shares[whose + 1]) {
+          try {
+            body(i, worker);
+          } catch (...) {
 #pragma omp critical
-          failure = std::current_exception();
+            failure = std::current_exception();
+          }
         }
       }
     }
@@ -32,7 +38,13 @@ class OpenMP final : public Loop {
   }
 
  private:
+  /// The next number of a share, on a cache line of its own.
+  struct alignas(64) Next {
+    std::atomic<int> number;
+  };
+
   int n_threads_;
+  std::vector<Next> next_;
 };
 
 }  // namespace

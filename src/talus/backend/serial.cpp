@@ -7,8 +7,9 @@ namespace {
 class Serial final : public Loop {
  public:
   int n_workers() const override { return 1; }
-  void for_each(int n, const std::function<void(int, int)>& body) override {
-    for (int i = 0; i < n; ++i) body(i, 0);
+  using Loop::for_each;
+  void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
+    for (int i = 0; i < shares.back(); ++i) body(i, 0);
   }
 };
 

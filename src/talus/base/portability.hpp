@@ -15,9 +15,12 @@
 
 namespace talus {
 
-/// Four doubles, and four truth values, side by side.
+/// Four doubles, four truth values and the bits of four doubles, side by side: one 256-bit register.
 typedef double FourDoubles __attribute__((vector_size(32)));
-typedef long long FourMasks __attribute__((vector_size(32)));
+typedef long FourMasks __attribute__((vector_size(32)));
+/// The same doubles in memory, at any address.
+typedef double FourDoublesAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
+typedef unsigned long FourBits __attribute__((vector_size(32)));
 
 #if defined(__AVX2__) && defined(__FMA__)
 // The compiler takes loops over lanes apart where they meet scalar code; these are single instructions wherever they
@@ -26,6 +29,7 @@ inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles 
   return __builtin_ia32_vfmaddpd256(a, b, c);
 }
 inline FourDoubles square_roots(FourDoubles x) { return __builtin_ia32_sqrtpd256(x); }
+inline FourDoubles floors(FourDoubles x) { return __builtin_ia32_roundpd256(x, 1); }
 inline int sign_bits(FourMasks m) { return __builtin_ia32_movmskpd256(reinterpret_cast<FourDoubles>(m)); }
 #else
 inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles c) {
@@ -34,6 +38,10 @@ inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles 
 }
 inline FourDoubles square_roots(FourDoubles x) {
   for (int i = 0; i < 4; ++i) x[i] = __builtin_sqrt(x[i]);
+  return x;
+}
+inline FourDoubles floors(FourDoubles x) {
+  for (int i = 0; i < 4; ++i) x[i] = __builtin_floor(x[i]);
   return x;
 }
 inline int sign_bits(FourMasks m) {

@@ -18,9 +18,18 @@ namespace detail {
 TALUS_HD inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 TALUS_HD inline double number(std::uint64_t b) { return std::bit_cast<double>(b); }
 
-typedef std::uint64_t PackBits __attribute__((vector_size(8 * pack_width)));
-inline PackBits bits(Pack x) { return (PackBits)x.lanes; }
-inline Pack number(PackBits b) { return Pack((Pack::Lanes)b); }
+struct PackBits {
+  FourBits low, high;
+
+  friend PackBits operator+(PackBits a, PackBits b) { return {a.low + b.low, a.high + b.high}; }
+  friend PackBits operator-(PackBits a, PackBits b) { return {a.low - b.low, a.high - b.high}; }
+  friend PackBits operator+(PackBits a, std::uint64_t b) { return {a.low + b, a.high + b}; }
+  friend PackBits operator-(PackBits a, std::uint64_t b) { return {a.low - b, a.high - b}; }
+  friend PackBits operator<<(PackBits a, int places) { return {a.low << places, a.high << places}; }
+  friend PackBits operator>>(PackBits a, int places) { return {a.low >> places, a.high >> places}; }
+};
+inline PackBits bits(Pack x) { return {(FourBits)x.low.lanes, (FourBits)x.high.lanes}; }
+inline Pack number(PackBits b) { return {Quad((FourDoubles)b.low), Quad((FourDoubles)b.high)}; }
 
 /// 1.5 2^52: adding it rounds to the nearest integer and leaves that integer in the low bits.
 inline constexpr double rounding = 6755399441055744.0;

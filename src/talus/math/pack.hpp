@@ -2,7 +2,7 @@
 /// Several numbers at once, and the few words that let one source serve a single number and a pack of them.
 ///
 /// A law is written once against a number type `R`. With R = double it updates one particle; with R = Pack it updates
-/// `pack_width` of them, one in each lane of a vector register. Where a scalar program would branch, such code
+/// `pack_width` of them, one in each lane. Where a scalar program would branch, such code
 /// selects: `select(mask, a, b)`, `any(mask)`, `all(mask)`. For double a mask is a bool.
 
 #include <array>
@@ -15,57 +15,184 @@
 
 namespace talus {
 
-/// Doubles in a pack: the four of a 256-bit register. Targets with smaller registers use two for one pack.
-inline constexpr int pack_width = 4;
+/// A truth value for each lane of a Quad; a true lane has all bits set.
+struct QuadMask {
+  FourMasks lanes;
 
-/// A truth value a lane; a true lane has all bits set.
-struct Mask {
-  using Lanes = FourMasks;
-  Lanes lanes;
-
-  friend Mask operator&(Mask a, Mask b) { return {a.lanes & b.lanes}; }
-  friend Mask operator|(Mask a, Mask b) { return {a.lanes | b.lanes}; }
-  friend Mask operator!(Mask a) { return {~a.lanes}; }
+  friend QuadMask operator&(QuadMask a, QuadMask b) { return {a.lanes & b.lanes}; }
+  friend QuadMask operator|(QuadMask a, QuadMask b) { return {a.lanes | b.lanes}; }
+  friend QuadMask operator!(QuadMask a) { return {~a.lanes}; }
   bool operator[](int lane) const { return lanes[lane] != 0; }
+
+  friend bool any(QuadMask m) { return sign_bits(m.lanes) != 0; }
+  friend bool all(QuadMask m) { return sign_bits(m.lanes) == 15; }
 };
 
-/// A double a lane.
-struct Pack {
-  using Lanes = FourDoubles;
-  Lanes lanes;
+/// Four doubles, one register: what a node holds, or a number of each of four particles.
+struct Quad {
+  static constexpr int width = 4;
+  FourDoubles lanes;
 
-  Pack() = default;
-  Pack(double x) : lanes{x, x, x, x} {}  // NOLINT: a plain number stands for equal ones in all lanes
-  explicit Pack(Lanes l) : lanes(l) {}
+  Quad() = default;
+  Quad(double x) : lanes{x, x, x, x} {}  // NOLINT: a plain number stands for equal ones in all lanes
+  explicit Quad(FourDoubles l) : lanes(l) {}
 
   double operator[](int lane) const { return lanes[lane]; }
   void set(int lane, double x) { lanes[lane] = x; }
 
-  friend Pack operator+(Pack a, Pack b) { return Pack(a.lanes + b.lanes); }
-  friend Pack operator-(Pack a, Pack b) { return Pack(a.lanes - b.lanes); }
-  friend Pack operator*(Pack a, Pack b) { return Pack(a.lanes * b.lanes); }
-  friend Pack operator/(Pack a, Pack b) { return Pack(a.lanes / b.lanes); }
-  friend Pack operator-(Pack a) { return Pack(-a.lanes); }
+  friend Quad operator+(Quad a, Quad b) { return Quad(a.lanes + b.lanes); }
+  friend Quad operator-(Quad a, Quad b) { return Quad(a.lanes - b.lanes); }
+  friend Quad operator*(Quad a, Quad b) { return Quad(a.lanes * b.lanes); }
+  friend Quad operator/(Quad a, Quad b) { return Quad(a.lanes / b.lanes); }
+  friend Quad operator-(Quad a) { return Quad(-a.lanes); }
+  Quad& operator+=(Quad b) { return *this = *this + b; }
+  Quad& operator-=(Quad b) { return *this = *this - b; }
+  Quad& operator*=(Quad b) { return *this = *this * b; }
+
+  friend QuadMask operator<(Quad a, Quad b) { return {a.lanes < b.lanes}; }
+  friend QuadMask operator>(Quad a, Quad b) { return {a.lanes > b.lanes}; }
+  friend QuadMask operator<=(Quad a, Quad b) { return {a.lanes <= b.lanes}; }
+  friend QuadMask operator>=(Quad a, Quad b) { return {a.lanes >= b.lanes}; }
+  friend QuadMask operator==(Quad a, Quad b) { return {a.lanes == b.lanes}; }
+
+  friend Quad select(QuadMask m, Quad a, Quad b) { return Quad(m.lanes ? a.lanes : b.lanes); }
+  friend Quad sqrt(Quad x) { return Quad(square_roots(x.lanes)); }
+  friend Quad floor(Quad x) { return Quad(floors(x.lanes)); }
+  friend Quad multiply_add(Quad a, Quad b, Quad c) {
+    if constexpr (has_fma) return Quad(fused_multiply_add(a.lanes, b.lanes, c.lanes));
+    return a * b + c;
+  }
+};
+
+/// A truth value for each lane of a Pack.
+struct Mask {
+  QuadMask low, high;
+
+  friend Mask operator&(Mask a, Mask b) { return {a.low & b.low, a.high & b.high}; }
+  friend Mask operator|(Mask a, Mask b) { return {a.low | b.low, a.high | b.high}; }
+  friend Mask operator!(Mask a) { return {!a.low, !a.high}; }
+  bool operator[](int lane) const { return lane < Quad::width ? low[lane] : high[lane - Quad::width]; }
+
+  friend bool any(Mask m) { return any(m.low | m.high); }
+  friend bool all(Mask m) { return all(m.low & m.high); }
+};
+
+/// Eight doubles, two registers: a number of each of the particles that a law updates at a time. Most of a law's time
+/// is waiting for divisions, square roots and the terms of exp; two registers wait together.
+struct Pack {
+  static constexpr int width = 2 * Quad::width;
+  Quad low, high;
+
+  Pack() = default;
+  Pack(double x) : low(x), high(x) {}  // NOLINT: a plain number stands for equal ones in all lanes
+  Pack(Quad l, Quad h) : low(l), high(h) {}
+
+  double operator[](int lane) const { return lane < Quad::width ? low[lane] : high[lane - Quad::width]; }
+  void set(int lane, double x) {
+    if (lane < Quad::width)
+      low.set(lane, x);
+    else
+      high.set(lane - Quad::width, x);
+  }
+
+  friend Pack operator+(Pack a, Pack b) { return {a.low + b.low, a.high + b.high}; }
+  friend Pack operator-(Pack a, Pack b) { return {a.low - b.low, a.high - b.high}; }
+  friend Pack operator*(Pack a, Pack b) { return {a.low * b.low, a.high * b.high}; }
+  friend Pack operator/(Pack a, Pack b) { return {a.low / b.low, a.high / b.high}; }
+  friend Pack operator-(Pack a) { return {-a.low, -a.high}; }
   Pack& operator+=(Pack b) { return *this = *this + b; }
   Pack& operator-=(Pack b) { return *this = *this - b; }
   Pack& operator*=(Pack b) { return *this = *this * b; }
 
-  friend Mask operator<(Pack a, Pack b) { return {a.lanes < b.lanes}; }
-  friend Mask operator>(Pack a, Pack b) { return {a.lanes > b.lanes}; }
-  friend Mask operator<=(Pack a, Pack b) { return {a.lanes <= b.lanes}; }
-  friend Mask operator>=(Pack a, Pack b) { return {a.lanes >= b.lanes}; }
-  friend Mask operator==(Pack a, Pack b) { return {a.lanes == b.lanes}; }
+  friend Mask operator<(Pack a, Pack b) { return {a.low < b.low, a.high < b.high}; }
+  friend Mask operator>(Pack a, Pack b) { return {a.low > b.low, a.high > b.high}; }
+  friend Mask operator<=(Pack a, Pack b) { return {a.low <= b.low, a.high <= b.high}; }
+  friend Mask operator>=(Pack a, Pack b) { return {a.low >= b.low, a.high >= b.high}; }
+  friend Mask operator==(Pack a, Pack b) { return {a.low == b.low, a.high == b.high}; }
+
+  friend Pack select(Mask m, Pack a, Pack b) { return {select(m.low, a.low, b.low), select(m.high, a.high, b.high)}; }
+  friend Pack sqrt(Pack x) { return {sqrt(x.low), sqrt(x.high)}; }
+  friend Pack floor(Pack x) { return {floor(x.low), floor(x.high)}; }
+  friend Pack multiply_add(Pack a, Pack b, Pack c) {
+    return {multiply_add(a.low, b.low, c.low), multiply_add(a.high, b.high, c.high)};
+  }
 };
-static_assert(pack_width == 4, "lanes are FourDoubles");
+inline constexpr int pack_width = Pack::width;
+
+/// Rows become columns.
+inline void transpose(Quad (&m)[4]) {
+  const FourDoubles a = m[0].lanes, b = m[1].lanes, c = m[2].lanes, d = m[3].lanes;
+  const FourDoubles ab_even = __builtin_shufflevector(a, b, 0, 4, 2, 6),
+                    ab_odd = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+  const FourDoubles cd_even = __builtin_shufflevector(c, d, 0, 4, 2, 6),
+                    cd_odd = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+  m[0].lanes = __builtin_shufflevector(ab_even, cd_even, 0, 1, 4, 5);
+  m[1].lanes = __builtin_shufflevector(ab_odd, cd_odd, 0, 1, 4, 5);
+  m[2].lanes = __builtin_shufflevector(ab_even, cd_even, 2, 3, 6, 7);
+  m[3].lanes = __builtin_shufflevector(ab_odd, cd_odd, 2, 3, 6, 7);
+}
+
+namespace detail {
+
+/// The slow ends of `load` and `store`.
+template <class P>
+[[gnu::noinline, gnu::cold]] P load_few(const double* column, int count) {
+  P p;
+  for (int lane = 0; lane < P::width; ++lane) p.set(lane, column[lane < count ? lane : count - 1]);
+  return p;
+}
+template <class P>
+[[gnu::noinline, gnu::cold]] void store_few(double* column, int count, P p) {
+  for (int lane = 0; lane < count; ++lane) column[lane] = p[lane];
+}
+
+}  // namespace detail
+
+/// Lanes from and to memory. Only the first `count` numbers are touched; when loading, further lanes repeat the last.
+template <class P>
+P load(const double* column, int count = P::width) {
+  if (count < P::width) return detail::load_few<P>(column, count);
+  if constexpr (P::width == Quad::width)
+    return Quad(*reinterpret_cast<const FourDoublesAnywhere*>(column));
+  else
+    return {load<Quad>(column), load<Quad>(column + Quad::width)};
+}
+inline void store(double* column, Quad p, int count = Quad::width) {
+  if (count < Quad::width) return detail::store_few(column, count, p);
+  *reinterpret_cast<FourDoublesAnywhere*>(column) = p.lanes;
+}
+inline void store(double* column, Pack p, int count = Pack::width) {
+  if (count < Pack::width) return detail::store_few(column, count, p);
+  store(column, p.low);
+  store(column + Quad::width, p.high);
+}
+
+/// Sum over the first `count` lanes, and maximum over all, from the first lane to the last.
+template <class P>
+double sum_of(P p, int count = P::width) {
+  double sum = 0;
+  for (int lane = 0; lane < count; ++lane) sum += p[lane];
+  return sum;
+}
+template <class P>
+double largest_of(P p) {
+  double largest = p[0];
+  for (int lane = 1; lane < p.width; ++lane) largest = largest < p[lane] ? p[lane] : largest;
+  return largest;
+}
 
 /// What a law may be written against.
 template <class R>
-concept Number = std::same_as<R, double> || std::same_as<R, Pack>;
+concept Number = std::same_as<R, double> || std::same_as<R, Pack> || std::same_as<R, Quad>;
 
 /// The truth type that goes with a number type.
 template <class R>
 struct MaskOf {
   using type = bool;
+};
+template <>
+struct MaskOf<Quad> {
+  using type = QuadMask;
 };
 template <>
 struct MaskOf<Pack> {
@@ -78,12 +205,8 @@ TALUS_HD inline double select(bool m, double a, double b) { return m ? a : b; }
 TALUS_HD inline bool any(bool m) { return m; }
 TALUS_HD inline bool all(bool m) { return m; }
 
-inline Pack select(Mask m, Pack a, Pack b) { return Pack(m.lanes ? a.lanes : b.lanes); }
-inline bool any(Mask m) { return sign_bits(m.lanes) != 0; }
-inline bool all(Mask m) { return sign_bits(m.lanes) == 15; }
-
 TALUS_HD inline double sqrt(double x) { return std::sqrt(x); }
-inline Pack sqrt(Pack x) { return Pack(square_roots(x.lanes)); }
+TALUS_HD inline double floor(double x) { return std::floor(x); }
 
 /// |x|, the larger and the smaller; a NaN in the first argument stays a NaN.
 template <Number R>
@@ -104,10 +227,6 @@ TALUS_HD inline double multiply_add(double a, double b, double c) {
   if constexpr (has_fma) return __builtin_fma(a, b, c);
   return a * b + c;
 }
-[[gnu::always_inline]] inline Pack multiply_add(Pack a, Pack b, Pack c) {
-  if constexpr (has_fma) return Pack(fused_multiply_add(a.lanes, b.lanes, c.lanes));
-  return a * b + c;
-}
 
 /// Applies a function of one double to every lane: for what is too rare to be written for packs.
 template <class F>
@@ -120,21 +239,30 @@ Pack lanewise(F f, Pack x) {
   return x;
 }
 
-/// One lane of a struct that consists of packs only, as the same struct of doubles; and back.
+/// The numbers of a struct that consists of nothing but numbers of type R, one after the other.
+template <Number R, class Struct>
+R* numbers_of(Struct& s) {
+  static_assert(sizeof(Struct) % sizeof(R) == 0 && std::is_trivially_copyable_v<Struct>);
+  return reinterpret_cast<R*>(&s);
+}
+template <Number R, class Struct>
+const R* numbers_of(const Struct& s) {
+  return numbers_of<R>(const_cast<Struct&>(s));
+}
+
+/// One lane of a struct of packs, as the same struct of doubles; and back.
 template <class One, class Many>
 One lane_of(const Many& many, int lane) {
-  const auto packs = std::bit_cast<std::array<Pack, sizeof(Many) / sizeof(Pack)>>(many);
-  std::array<double, sizeof(Many) / sizeof(Pack)> numbers;
-  for (std::size_t i = 0; i < packs.size(); ++i) numbers[i] = packs[i][lane];
-  return std::bit_cast<One>(numbers);
+  One one;
+  for (std::size_t k = 0; k < sizeof(Many) / sizeof(Pack); ++k)
+    numbers_of<double>(one)[k] = numbers_of<Pack>(many)[k][lane];
+  return one;
 }
 template <class One, class Many>
 void set_lane(Many& many, int lane, const One& one) {
-  auto packs = std::bit_cast<std::array<Pack, sizeof(Many) / sizeof(Pack)>>(many);
-  const auto numbers = std::bit_cast<std::array<double, sizeof(One) / sizeof(double)>>(one);
-  static_assert(packs.size() == numbers.size());
-  for (std::size_t i = 0; i < packs.size(); ++i) packs[i].set(lane, numbers[i]);
-  many = std::bit_cast<Many>(packs);
+  static_assert(sizeof(Many) / sizeof(Pack) == sizeof(One) / sizeof(double));
+  for (std::size_t k = 0; k < sizeof(Many) / sizeof(Pack); ++k)
+    numbers_of<Pack>(many)[k].set(lane, numbers_of<double>(one)[k]);
 }
 
 }  // namespace talus

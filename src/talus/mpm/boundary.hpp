@@ -22,7 +22,13 @@ struct Domain {
   Index<Dim> n_cells;
   std::array<WallKind, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
 
-  Vec<Dim> in_cells(const Vec<Dim>& x) const { return (1 / h) * (x - origin); }
+  /// A place in units of cells from the origin; for one point or for several at once.
+  template <class Places>
+  Places in_cells(Places x) const {
+    using R = std::remove_cvref_t<decltype(x[0])>;
+    for (int a = 0; a < Dim; ++a) x[a] = R(1 / h) * (x[a] - R(origin[a]));
+    return x;
+  }
 };
 
 namespace detail {

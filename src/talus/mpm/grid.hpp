@@ -62,7 +62,7 @@ struct Tile {
 };
 
 /// Values at nodes: lanes 0-2 a vector, lane 3 the mass where it is meant to be there.
-using NodeValue = Pack;
+using NodeValue = Quad;
 inline NodeValue zero_node() { return NodeValue(0.0); }
 
 template <int Dim, class Shape>

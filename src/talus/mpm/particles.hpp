@@ -1,7 +1,7 @@
 #pragma once
 /// The material points of one body.
 
-#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -34,6 +34,10 @@ std::vector<ParticleField> particle_fields(int n_state) {
       {"state", 2 * Dim + 3, n_state}};      // what the law remembers
 }
 
+/// The places of four particles, an axis each.
+template <int Dim>
+using FourPlaces = std::array<Quad, Dim>;
+
 /// Particles as columns, ordered by tile and within a tile by cell.
 template <int Dim>
 class Particles {
@@ -63,6 +67,13 @@ class Particles {
     return x;
   }
 
+  /// The places of `count` particles from `first` on, at most four [m]; an axis each.
+  FourPlaces<Dim> places(int first, int count) const {
+    FourPlaces<Dim> x;
+    for (int a = 0; a < Dim; ++a) x[a] = load<Quad>(position(a) + first, count);
+    return x;
+  }
+
   Columns& columns() { return columns_; }
   const Columns& columns() const { return columns_; }
 
@@ -71,44 +82,30 @@ class Particles {
   int n_state_;
 };
 
-/// Copies the state of `count` particles, at most a pack of them, from `first` on; empty lanes repeat the last.
+/// The state of `count` particles from `first` on, at most a pack of them.
 template <class State, int Dim>
 State load_states(const Particles<Dim>& particles, int first, int count) {
-  constexpr int n = sizeof(State) / sizeof(Pack);
-  std::array<Pack, n> numbers;
-  for (int k = 0; k < n; ++k) {
-    const double* column = particles.state(k) + first;
-    if (count == pack_width)
-      __builtin_memcpy(&numbers[k], column, sizeof(Pack));
-    else
-      for (int lane = 0; lane < pack_width; ++lane) numbers[k].set(lane, column[std::min(lane, count - 1)]);
-  }
-  return std::bit_cast<State>(numbers);
+  State state;
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(Pack); ++k)
+    numbers_of<Pack>(state)[k] = load<Pack>(particles.state(int(k)) + first, count);
+  return state;
 }
 template <class State, int Dim>
 void store_states(Particles<Dim>& particles, int first, int count, const State& state) {
-  constexpr int n = sizeof(State) / sizeof(Pack);
-  const auto numbers = std::bit_cast<std::array<Pack, n>>(state);
-  for (int k = 0; k < n; ++k) {
-    double* column = particles.state(k) + first;
-    if (count == pack_width)
-      __builtin_memcpy(column, &numbers[k], sizeof(Pack));
-    else
-      for (int lane = 0; lane < count; ++lane) column[lane] = numbers[k][lane];
-  }
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(Pack); ++k)
+    store(particles.state(int(k)) + first, numbers_of<Pack>(state)[k], count);
 }
 
 /// The state of one particle.
 template <class Law, int Dim>
 typename Law::template State<double> state_of(const Particles<Dim>& particles, int i) {
-  std::array<double, state_size<Law>> numbers;
-  for (int k = 0; k < state_size<Law>; ++k) numbers[k] = particles.state(k)[i];
-  return std::bit_cast<typename Law::template State<double>>(numbers);
+  typename Law::template State<double> state;
+  for (int k = 0; k < state_size<Law>; ++k) numbers_of<double>(state)[k] = particles.state(k)[i];
+  return state;
 }
 template <class Law, int Dim>
 void set_state(Particles<Dim>& particles, int i, const typename Law::template State<double>& state) {
-  const auto numbers = std::bit_cast<std::array<double, state_size<Law>>>(state);
-  for (int k = 0; k < state_size<Law>; ++k) particles.state(k)[i] = numbers[k];
+  for (int k = 0; k < state_size<Law>; ++k) particles.state(k)[i] = numbers_of<double>(state)[k];
 }
 
 /// The particles of one tile are those numbered [begin, end).

@@ -5,15 +5,16 @@
 /// `support` nodes from there on. A point that has left its cell by less than half a cell touches nodes from `below`
 /// under the cell's first node to `above` over it.
 
-#include <cmath>
+#include "talus/math/pack.hpp"
 
 namespace talus {
 
-template <int Support>
+/// Along one axis: for one point, or for several at once.
+template <class R, int Support>
 struct Weights {
-  int first;
-  double N[Support];
-  double dN[Support];
+  R first;
+  R N[Support];
+  R dN[Support];
 };
 
 /// Hat function.
@@ -21,9 +22,10 @@ struct Linear {
   static constexpr int support = 2;
   static constexpr int below = 1, above = 2;
 
-  static Weights<2> at(double x) {
-    const double base = std::floor(x), f = x - base;
-    return {int(base), {1 - f, f}, {-1, 1}};
+  template <class R>
+  static Weights<R, 2> at(R x) {
+    const R base = floor(x), f = x - base;
+    return {base, {R(1.0) - f, f}, {R(-1.0), R(1.0)}};
   }
 };
 
@@ -32,10 +34,11 @@ struct Quadratic {
   static constexpr int support = 3;
   static constexpr int below = 1, above = 2;
 
-  static Weights<3> at(double x) {
-    const double base = std::floor(x - 0.5), f = x - base;  // 0.5 <= f < 1.5
-    const double a = 1.5 - f, b = f - 1, c = f - 0.5;
-    return {int(base), {0.5 * a * a, 0.75 - b * b, 0.5 * c * c}, {-a, -2 * b, c}};
+  template <class R>
+  static Weights<R, 3> at(R x) {
+    const R half(0.5), base = floor(x - half), f = x - base;  // 0.5 <= f < 1.5
+    const R a = R(1.5) - f, b = f - R(1.0), c = f - half;
+    return {base, {half * a * a, R(0.75) - b * b, half * c * c}, {-a, R(-2.0) * b, c}};
   }
 };
 

@@ -183,7 +183,7 @@ class Stepper final : public Simulation {
     ledger_.numerical -= ledger_.kinetic;
     if (total.bad)
       stop("a particle has left the domain",
-           [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.position_of(i))); });
+           [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.places(i, 1))); });
     if (reorder) {
       arrange();
       over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
@@ -194,37 +194,53 @@ class Stepper final : public Simulation {
 
   CellFinder<Dim> cells_of(int t) const { return {domain_.origin, 1 / domain_.h, grid_.tile(t).place}; }
 
-  ParticleWeights<Dim, Shape> weights(const Particles<Dim>& particles, int i, int t) const {
-    return {domain_.in_cells(particles.position_of(i)), grid_.tile(t).place};
+  /// The weights of `count` particles from `first` on, at most four.
+  FourWeights<Dim, Shape> weights(const Particles<Dim>& particles, int first, int count, int t) const {
+    return {domain_.in_cells(particles.places(first, count)), grid_.tile(t).place};
   }
 
   void take_gradients(const Body<Dim>& body, int t, const NodeValue* velocity, Scratch& s) const {
     const TileParticles& tile = body.tiles[t];
-    const double per_length = 1 / domain_.h;
-    int i = 0;
-    for (; i < tile.end - tile.begin; ++i) {
-      NodeValue columns[Dim];
-      gradient(weights(body.particles, tile.begin + i, t), velocity, columns);
-      for (int b = 0; b < Dim; ++b)
-        for (int a = 0; a < Dim; ++a) s.gradient[a][b][i] = per_length * columns[b][a];
+    const Quad per_length(1 / domain_.h);
+    for (int i = 0; i < tile.size(); i += 4) {
+      const int count = std::min(4, tile.size() - i);
+      const auto w = weights(body.particles, tile.begin + i, count, t);
+      Quad columns[Dim][4];
+      for (int lane = 0; lane < 4; ++lane) {
+        NodeValue of_one[Dim];
+        gradient(ParticleWeights<Dim, Shape>{w, lane}, velocity, of_one);
+        for (int b = 0; b < Dim; ++b) columns[b][lane] = of_one[b];
+      }
+      for (int b = 0; b < Dim; ++b) {
+        transpose(columns[b]);
+        for (int a = 0; a < Dim; ++a) store(&s.gradient[a][b][i], per_length * columns[b][a]);
+      }
     }
-    for (; i % pack_width != 0; ++i)  // lanes behind the last particle
-      for (auto& row : s.gradient)
-        for (auto& c : row) c[i] = 0;
+    // What the last pack holds behind the last particle stands still.
+    for (int i = (tile.size() + 3) / 4 * 4; i % pack_width != 0; i += 4)
+      for (int a = 0; a < Dim; ++a)
+        for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));
   }
 
   void give_forces(const Body<Dim>& body, int t, const Scratch& s) {
     const TileParticles& tile = body.tiles[t];
     NodeValue* force = grid_.window(t);
-    const double per_length = -1 / domain_.h;
+    const Quad per_length(-1 / domain_.h);
     static constexpr int component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-    for (int i = 0; i < tile.end - tile.begin; ++i) {
-      NodeValue flux[Dim];
+    for (int i = 0; i < tile.size(); i += 4) {
+      const int count = std::min(4, tile.size() - i);
+      const auto w = weights(body.particles, tile.begin + i, count, t);
+      Quad flux[Dim][4];
       for (int a = 0; a < Dim; ++a) {
-        flux[a] = zero_node();
-        for (int b = 0; b < Dim; ++b) flux[a].set(b, per_length * s.flux[component[a][b]][i]);
+        for (int b = 0; b < 4; ++b)
+          flux[a][b] = b < Dim ? per_length * load<Quad>(&s.flux[component[a][b]][i]) : Quad(0.0);
+        transpose(flux[a]);
       }
-      scatter_gradient(weights(body.particles, tile.begin + i, t), flux, force);
+      for (int lane = 0; lane < count; ++lane) {
+        NodeValue of_one[Dim];
+        for (int a = 0; a < Dim; ++a) of_one[a] = flux[a][lane];
+        scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, force);
+      }
     }
   }
 
@@ -234,15 +250,21 @@ class Stepper final : public Simulation {
     grid_.fill_window(t, grid_.acceleration(), a);
     for (auto& body : bodies_) {
       Particles<Dim>& p = body.particles;
-      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
-        NodeValue at_v, at_a;
-        interpolate(weights(p, i, t), v_new, a, at_v, at_a);
+      const TileParticles& tile = body.tiles[t];
+      for (int i = tile.begin; i < tile.end; i += 4) {
+        const int count = std::min(4, tile.end - i);
+        const auto w = weights(p, i, count, t);
+        Quad at_v[4], at_a[4];
+        for (int lane = 0; lane < 4; ++lane)
+          interpolate(ParticleWeights<Dim, Shape>{w, lane}, v_new, a, at_v[lane], at_a[lane]);
+        transpose(at_v);
+        transpose(at_a);
         for (int axis = 0; axis < Dim; ++axis) {
-          double& v = p.velocity(axis)[i];
-          v = alpha * (v + dt * at_a[axis]) + (1 - alpha) * at_v[axis];
-          p.position(axis)[i] += dt * at_v[axis];
+          double *x = p.position(axis) + i, *v = p.velocity(axis) + i;
+          const Quad faster = load<Quad>(v, count) + Quad(dt) * at_a[axis];
+          store(v, Quad(alpha) * faster + Quad(1 - alpha) * at_v[axis], count);
+          store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
         }
-        sums.bad |= !inside(domain_.in_cells(p.position_of(i)));
       }
     }
     account_particles(t, sums);
@@ -254,34 +276,52 @@ class Stepper final : public Simulation {
     NodeValue* nodes = grid_.window(t);
     for (const auto& body : bodies_) {
       const Particles<Dim>& p = body.particles;
-      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
-        const double mass = p.mass()[i];
-        NodeValue value = zero_node();
-        for (int axis = 0; axis < Dim; ++axis) value.set(axis, mass * p.velocity(axis)[i]);
-        value.set(3, mass);
-        scatter(weights(p, i, t), value, nodes);
+      const TileParticles& tile = body.tiles[t];
+      for (int i = tile.begin; i < tile.end; i += 4) {
+        const int count = std::min(4, tile.end - i);
+        const auto w = weights(p, i, count, t);
+        const Quad mass = load<Quad>(p.mass() + i, count);
+        Quad values[4];
+        for (int axis = 0; axis < 3; ++axis)
+          values[axis] = axis < Dim ? mass * load<Quad>(p.velocity(axis) + i, count) : Quad(0.0);
+        values[3] = mass;
+        transpose(values);
+        for (int lane = 0; lane < count; ++lane) scatter(ParticleWeights<Dim, Shape>{w, lane}, values[lane], nodes);
       }
     }
   }
 
+  /// Adds up what a tile's particles hold, and notes whether they are where they may be.
   void account_particles(int t, TileSums& sums) const {
     if (!grid_.tile(t).occupied) return;
+    Quad total_mass(0.0), kinetic(0.0), potential(0.0), fastest2(0.0), momentum[Dim];
+    for (Quad& m : momentum) m = Quad(0.0);
     for (const auto& body : bodies_) {
       const Particles<Dim>& p = body.particles;
-      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
-        const double mass = p.mass()[i];
-        double speed2 = 0;
+      const TileParticles& tile = body.tiles[t];
+      for (int i = tile.begin; i < tile.end; i += 4) {
+        const int count = std::min(4, tile.end - i);
+        Quad mass = load<Quad>(p.mass() + i, count);
+        for (int lane = count; lane < 4; ++lane) mass.set(lane, 0);
+        const FourPlaces<Dim> x = p.places(i, count);
+        Quad speed2(0.0);
         for (int a = 0; a < Dim; ++a) {
-          const double v = p.velocity(a)[i];
+          const Quad v = load<Quad>(p.velocity(a) + i, count), mv = mass * v;
           speed2 += v * v;
-          sums.momentum[a] += mass * v;
-          sums.potential -= mass * gravity_[a] * p.position(a)[i];
+          momentum[a] += mv;
+          potential -= Quad(gravity_[a]) * (mass * x[a]);
         }
-        sums.mass += mass;
-        sums.kinetic += 0.5 * mass * speed2;
-        sums.particle_speed2 = std::max(sums.particle_speed2, speed2);
+        total_mass += mass;
+        kinetic += Quad(0.5) * mass * speed2;
+        fastest2 = max(fastest2, speed2);
+        sums.bad |= !inside(domain_.in_cells(x));
       }
     }
+    for (int a = 0; a < Dim; ++a) sums.momentum[a] += sum_of(momentum[a]);
+    sums.mass += sum_of(total_mass);
+    sums.kinetic += sum_of(kinetic);
+    sums.potential += sum_of(potential);
+    sums.particle_speed2 = std::max(sums.particle_speed2, largest_of(fastest2));
   }
 
   // ---- all tiles -------------------------------------------------------------------------------------------------
@@ -290,14 +330,14 @@ class Stepper final : public Simulation {
   template <class F>
   TileSums over_tiles(F f) {
     std::vector<TileSums> parts(grid_.n_tiles());
-    loop_.for_each(grid_.n_tiles(), [&](int t, int worker) { f(t, worker, parts[t]); });
+    loop_.for_each(shares_, [&](int t, int worker) { f(t, worker, parts[t]); });
     TileSums total;
     for (const TileSums& part : parts) total.add(part);
     return total;
   }
 
   void add_windows() {
-    loop_.for_each(grid_.n_tiles(), [&](int t, int) { grid_.add_windows(t); });
+    loop_.for_each(shares_, [&](int t, int) { grid_.add_windows(t); });
     boundary_->fold_images(grid_, loop_);
   }
 
@@ -320,7 +360,23 @@ class Stepper final : public Simulation {
   void arrange() {
     put_in_cell_order(bodies_, domain_, grid_, loop_);
     boundary_.emplace(domain_, grid_);
+    deal_out_tiles();
     drift_ = 0;
+  }
+
+  /// Shares of about equal work.
+  void deal_out_tiles() {
+    constexpr long nodes = Layout::n_nodes / 8;  // what the nodes of a tile take, in particles
+    std::vector<long> work(grid_.n_tiles() + 1, 0);
+    for (int t = 0; t < grid_.n_tiles(); ++t) {
+      work[t + 1] = work[t] + nodes;
+      if (grid_.tile(t).occupied)
+        for (const auto& body : bodies_) work[t + 1] += body.tiles[t].size();
+    }
+    shares_.clear();
+    for (int w = 0; w <= loop_.n_workers(); ++w)
+      shares_.push_back(
+          int(std::lower_bound(work.begin(), work.end(), work.back() * w / loop_.n_workers()) - work.begin()));
   }
 
   void take(const TileSums& particles) {
@@ -332,10 +388,11 @@ class Stepper final : public Simulation {
     least_mass_ = 1e-12 * particles.mass / std::max(1L, n_particles());
   }
 
-  bool inside(const Vec<Dim>& x_in_cells) const {
+  bool inside(const FourPlaces<Dim>& x_in_cells) const {
+    bool all_inside = true;
     for (int a = 0; a < Dim; ++a)
-      if (!(x_in_cells[a] >= 0 && x_in_cells[a] <= domain_.n_cells[a])) return false;
-    return true;
+      all_inside &= all((x_in_cells[a] >= Quad(0.0)) & (x_in_cells[a] <= Quad(domain_.n_cells[a])));
+    return all_inside;
   }
 
   /// Finds the first particle of which `is_bad` holds and says everything about it.
@@ -364,6 +421,7 @@ class Stepper final : public Simulation {
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
   std::vector<Scratch> scratch_;
+  Shares shares_;  ///< the tiles, dealt out
   Ledger ledger_;
   double drift_ = 0;  ///< bound on how far any particle has moved since it was put in order, in cells
   double wave_speed_ = 0, viscosity_ = 0, node_speed_ = 0, least_mass_ = 0;

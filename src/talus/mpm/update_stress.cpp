@@ -8,30 +8,11 @@ namespace talus {
 
 namespace {
 
-inline Pack load(const std::vector<double>& column, int i) {
-  Pack p;
-  __builtin_memcpy(&p, &column[i], sizeof p);
-  return p;
-}
-inline void store(std::vector<double>& column, int i, Pack p) { __builtin_memcpy(&column[i], &p, sizeof p); }
-
-/// The first `count` lanes of a column that has no room behind it; the others repeat the last.
-inline Pack load_some(const double* column, int count) {
-  Pack p;
-  for (int lane = 0; lane < pack_width; ++lane) p.set(lane, column[std::min(lane, count - 1)]);
-  return p;
-}
-inline double sum_of(Pack p, int count) {
-  double sum = 0;
-  for (int lane = 0; lane < count; ++lane) sum += p[lane];
-  return sum;
-}
-inline double largest_of(Pack p) { return std::max(std::max(p[0], p[1]), std::max(p[2], p[3])); }
-
-inline Tensor<Pack> load_gradient(const Scratch& scratch, int i) {
+template <int Dim>
+Tensor<Pack> load_gradient(const Scratch& s, int i) {
   Tensor<Pack> L;
   for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) L[a][b] = load(scratch.gradient[a][b], i);
+    for (int b = 0; b < 3; ++b) L[a][b] = a < Dim && b < Dim ? load<Pack>(&s.gradient[a][b][i]) : Pack(0.0);
   return L;
 }
 
@@ -42,8 +23,12 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
   constexpr int n_cells = power(tile_edge, Dim);
   static_assert(n_cells % pack_width == 0);
   double volume[n_cells] = {}, x[n_cells] = {}, rate[n_cells] = {}, p[n_cells];
+  for (int i = 0; i < tile.size(); i += 4) {
+    const Quad cell = cells.at(particles.places(tile.begin + i, std::min(4, tile.size() - i)));
+    for (int lane = 0; lane < 4; ++lane) s.cell[i + lane] = int(cell[lane]);
+  }
   for (int i = 0; i < tile.size(); ++i) {
-    const int c = s.cell[i] = cells.at(particles.position_of(tile.begin + i));
+    const int c = s.cell[i];
     volume[c] += s.volume[i];
     x[c] += s.volume[i] * s.x[i];
     rate[c] += s.volume[i] * (s.gradient[0][0][i] + s.gradient[1][1][i] + s.gradient[2][2][i]);
@@ -54,45 +39,62 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
         x[k] /= volume[k];
         rate[k] /= volume[k];
       }
-    Pack mean;
-    __builtin_memcpy(&mean, &x[c], sizeof mean);
-    mean = law.pressure_at(mean);
-    __builtin_memcpy(&p[c], &mean, sizeof mean);
+    store(&p[c], law.pressure_at(load<Pack>(&x[c])));
   }
-  for (int i = 0; i < tile.size(); ++i) {
-    s.mean_x[i] = x[s.cell[i]];
-    s.mean_rate[i] = rate[s.cell[i]];
-    s.mean_p[i] = p[s.cell[i]];
+  for (int i = 0; i < tile.size() || i % pack_width != 0; ++i) {  // lanes behind the last particle repeat it
+    const int c = s.cell[std::min(i, tile.size() - 1)];
+    s.mean_x[i] = x[c];
+    s.mean_rate[i] = rate[c];
+    s.mean_p[i] = p[c];
   }
 }
 
-/// Moves the states of a tile's particles through the step. Takes the velocity gradients from `s`, leaves volume times
-/// stress there.
+/// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that hold
+/// none.
+struct PackSums {
+  Pack elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
+  Pack wave_speed2 = 0.0, viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
+
+  void add_to(TileSums& sums) const {
+    sums.elastic += sum_of(elastic);
+    sums.averaging += sum_of(averaging);
+    sums.internal_work += sum_of(internal_work);
+    sums.plastic_work += sum_of(plastic_work);
+    sums.collisional_work += sum_of(collisional_work);
+    sums.wave_speed2 = std::max(sums.wave_speed2, largest_of(wave_speed2));
+    sums.viscosity = std::max(sums.viscosity, largest_of(viscosity));
+    sums.n_separated += int(sum_of(n_separated));
+    sums.n_unconverged += int(sum_of(n_unconverged));
+    sums.bad |= !std::isfinite(sum_of(internal_work));
+  }
+};
+
 template <class Law, int Dim>
-void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile, const CellFinder<Dim>& cells,
-                 const StressUpdate& how, Scratch& s, TileSums& sums) {
+[[gnu::flatten]] void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile,
+                                  const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
   using State = typename Law::template State<Pack>;
   const int n = tile.size();
   const bool averages = how.average_pressure && AveragesCompression<Law>;
   if constexpr (AveragesCompression<Law>) {
     if (averages) {
       for (int i = 0; i < n; i += pack_width) {
-        const int count = std::min(pack_width, n - i);
-        const State state = load_states<State>(particles, tile.begin + i, count);
-        store(s.x, i, Law::compression(state));
-        store(s.volume, i,
-              load_some(particles.reference_volume() + tile.begin + i, count) * law.specific_volume(state));
+        const int first = tile.begin + i, count = std::min(pack_width, n - i);
+        const State state = load_states<State>(particles, first, count);
+        store(&s.x[i], Law::compression(state));
+        store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
       }
       average_over_cells(law, particles, tile, cells, s);
     }
   }
-  const Pack dt(how.dt);
+  const Pack zero(0.0), dt(how.dt);
+  PackSums total;
   for (int i = 0; i < n; i += pack_width) {
-    const int count = std::min(pack_width, n - i), first = tile.begin + i;
+    const int first = tile.begin + i, count = std::min(pack_width, n - i);
     State state = load_states<State>(particles, first, count);
-    const Pack reference_volume = load_some(particles.reference_volume() + first, count);
-    const Pack mass = load_some(particles.mass() + first, count);
-    const Tensor<Pack> L = load_gradient(s, i);
+    Pack reference_volume = load<Pack>(particles.reference_volume() + first, count);
+    for (int lane = count; lane < pack_width; ++lane) reference_volume.set(lane, 0);
+    const Pack mass = load<Pack>(particles.mass() + first, count);
+    const Tensor<Pack> L = load_gradient<Dim>(s, i);
     const SymTensor<Pack> rate = symmetric_part(L);
     const Pack old_volume = reference_volume * law.specific_volume(state);
     const SymTensor<Pack> old_flux = old_volume * Law::total_stress(state);
@@ -101,12 +103,12 @@ void update_with(const Law& law, Particles<Dim>& particles, const TileParticles&
     Law::turn(state, incremental_rotation(L, how.dt));
     if constexpr (AveragesCompression<Law>) {
       if (averages) {
-        const Pack change = (load(s.mean_rate, i) - trace(rate)) * Pack(1.0 / 3.0);
+        const Pack change = (load<Pack>(&s.mean_rate[i]) - trace(rate)) * Pack(1.0 / 3.0);
         motion.strain_rate = rate + SymTensor<Pack>::isotropic(change);
         motion.strain = dt * motion.strain_rate;
         const Pack own = law.elastic_energy(state);
-        law.impose_compression(state, load(s.mean_x, i), load(s.mean_p, i));
-        sums.averaging += sum_of(old_volume * (own - law.elastic_energy(state)), count);
+        law.impose_compression(state, load<Pack>(&s.mean_x[i]), load<Pack>(&s.mean_p[i]));
+        total.averaging += old_volume * (own - law.elastic_energy(state));
       }
     }
     const Response<Pack> response = law.update(state, motion, how.integration);
@@ -114,20 +116,21 @@ void update_with(const Law& law, Particles<Dim>& particles, const TileParticles&
 
     const Pack volume = reference_volume * law.specific_volume(state);
     const SymTensor<Pack> flux = volume * Law::total_stress(state);
-    for (int c = 0; c < 6; ++c) store(s.flux[c], i, flux[c]);
-    sums.elastic += sum_of(volume * law.elastic_energy(state), count);
-    sums.internal_work += sum_of(Pack(0.5 * how.dt) * double_dot(old_flux + flux, rate), count);
-    sums.plastic_work += sum_of(volume * response.plastic_work, count);
-    sums.collisional_work += sum_of(volume * response.collisional_work, count);
+    for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+    total.elastic += volume * law.elastic_energy(state);
+    total.internal_work += Pack(0.5 * how.dt) * double_dot(old_flux + flux, rate);
+    total.plastic_work += volume * response.plastic_work;
+    total.collisional_work += volume * response.collisional_work;
     const Pack specific = volume / mass;
-    sums.wave_speed2 = std::max(sums.wave_speed2, largest_of(specific * response.stiffness));
-    sums.viscosity = std::max(sums.viscosity, largest_of(specific * response.viscosity));
-    for (int lane = 0; lane < count; ++lane) {
-      sums.n_separated += response.outcome[lane] == double(Outcome::separated);
-      sums.n_unconverged += response.outcome[lane] == double(Outcome::unconverged);
-    }
+    total.wave_speed2 = max(total.wave_speed2, specific * response.stiffness);
+    total.viscosity = max(total.viscosity, specific * response.viscosity);
+    const auto ones = [&](Outcome outcome) {
+      return select((response.outcome == Pack(double(outcome))) & (volume > zero), Pack(1.0), zero);
+    };
+    total.n_separated += ones(Outcome::separated);
+    total.n_unconverged += ones(Outcome::unconverged);
   }
-  sums.bad |= !std::isfinite(sums.internal_work);
+  total.add_to(sums);
 }
 
 }  // namespace

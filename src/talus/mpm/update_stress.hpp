@@ -78,18 +78,19 @@ struct StressUpdate {
   bool average_pressure;
 };
 
-/// Finds the cell of a tile that a place lies in; places beside the tile count as in its nearest cell.
+/// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
 template <int Dim>
 struct CellFinder {
   Vec<Dim> origin;    ///< of the grid [m]
   double per_length;  ///< cells per metre
   Index<Dim> tile;
 
-  int at(const Vec<Dim>& x) const {
-    int cell = 0;
-    for (int a = Dim - 1; a >= 0; --a)
-      cell = tile_edge * cell +
-             std::clamp(cell_of((x[a] - origin[a]) * per_length) - tile_edge * tile[a], 0, tile_edge - 1);
+  Quad at(const FourPlaces<Dim>& x) const {
+    Quad cell(0.0);
+    for (int a = Dim - 1; a >= 0; --a) {
+      const Quad in_tile = floor(Quad(per_length) * (x[a] - Quad(origin[a]))) - Quad(tile_edge * tile[a]);
+      cell = Quad(tile_edge) * cell + max(Quad(0.0), min(in_tile, Quad(tile_edge - 1)));
+    }
     return cell;
   }
 };
