@@ -30,6 +30,9 @@ inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles 
 }
 inline FourDoubles square_roots(FourDoubles x) { return __builtin_ia32_sqrtpd256(x); }
 inline FourDoubles floors(FourDoubles x) { return __builtin_ia32_roundpd256(x, 1); }
+/// a < b ? b : a, and b < a ? b : a; so a NaN in a stays.
+inline FourDoubles larger(FourDoubles a, FourDoubles b) { return __builtin_ia32_maxpd256(b, a); }
+inline FourDoubles smaller(FourDoubles a, FourDoubles b) { return __builtin_ia32_minpd256(b, a); }
 inline int sign_bits(FourMasks m) { return __builtin_ia32_movmskpd256(reinterpret_cast<FourDoubles>(m)); }
 #else
 inline FourDoubles fused_multiply_add(FourDoubles a, FourDoubles b, FourDoubles c) {
@@ -44,6 +47,8 @@ inline FourDoubles floors(FourDoubles x) {
   for (int i = 0; i < 4; ++i) x[i] = __builtin_floor(x[i]);
   return x;
 }
+inline FourDoubles larger(FourDoubles a, FourDoubles b) { return a < b ? b : a; }
+inline FourDoubles smaller(FourDoubles a, FourDoubles b) { return b < a ? b : a; }
 inline int sign_bits(FourMasks m) {
   int bits = 0;
   for (int i = 0; i < 4; ++i) bits |= (m[i] < 0) << i;

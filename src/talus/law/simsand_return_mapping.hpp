@@ -151,6 +151,23 @@ struct ReturnEquation {
   }
 };
 
+/// What is to be expected at x + step, from the points at x and at x - dx: what changes little on the line through both,
+/// p on its own curve p ~ x^m.
+template <Number R>
+TALUS_HD ReturnPoint<R> extrapolate(const ReturnPoint<R>& at, const ReturnPoint<R>& before, R step, R dx, double m) {
+  const R t = step / dx, d = step / at.x;
+  const auto on_line = [&](R now, R then) { return now + t * (now - then); };
+  ReturnPoint<R> r = at;
+  r.x = at.x + step;
+  r.p = at.p * (R(1.0) + R(m) * d * (R(1.0) + R(0.5 * (m - 1)) * d));
+  r.G = on_line(at.G, before.G);
+  r.M_p = on_line(at.M_p, before.M_p);
+  r.M_pt = on_line(at.M_pt, before.M_pt);
+  r.h = on_line(at.h, before.h);
+  r.dkappa = on_line(at.dkappa, before.dkappa);
+  return r;
+}
+
 template <Number R>
 TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
   using talus::select;
@@ -189,7 +206,7 @@ template <Number R>
   // The residual is negative at `low` and positive at `high`, once either is known.
   M low_known = r.residual < zero;
   R low = select(low_known, r.x, floor), high = select(low_known, unbounded, r.x);
-  // x is found to 1e-10; no closer to rounding than 1e-13 of what the residual adds up.
+  // x is found to 1e-8; no closer to rounding than 1e-13 of what the residual adds up.
   const R noise = R(1e-13) * abs(trial.x);
   // What the next guess adds to x: a Newton step first, then steps of the secant.
   R step = -r.residual / max(equation.slope(r), R(0.1));
@@ -209,13 +226,22 @@ template <Number R>
     lost = lost | gone;
 
     const R dx = next.x - r.x, dresidual = next.residual - r.residual;
+    const ReturnPoint<R> before = r;
     r = select<R>(open, next, r);
     low = select(open & negative, r.x, low);
     high = select(open & !negative, r.x, high);
     low_known = low_known | (open & negative);
-    open = open & !gone & (abs(r.residual) > max(R(1e-10) * r.x, noise)) & ((high - low) > R(4e-16) * high);
+    open = open & !gone & (abs(r.residual) > max(R(1e-8) * r.x, noise)) & ((high - low) > R(4e-16) * high);
     // The secant's root if it is one; an impossible value halves the bracket instead.
     step = select(dresidual * dx > R(1e-6) * dx * dx, -r.residual * dx / dresidual, -unbounded);
+    // The secant's root misses the curve's by the step times what the slope changes, relatively: step/dx from the last
+    // point, and no less than (dx/x)^2. Where that is little, the root needs no look at the equation any more.
+    const R turn = max(abs(step) * r.x * r.x, abs(dx * dx * dx));
+    const M sure = open & (abs(step) * turn <= R(1e-8) * r.x * r.x * r.x * abs(dx));
+    if (any(sure)) {
+      r = select<R>(sure, extrapolate(r, before, step, dx, equation.m), r);
+      open = open & !sure;
+    }
   }
   const R x = r.x;
 

@@ -43,7 +43,7 @@ inline constexpr double ln2_high = 0.6931471803691238, ln2_low = 1.9082149292705
 template <Number R>
 TALUS_HD R exp(R x) {
   using namespace detail;
-  x = select(x > R(709.0), R(709.0), select(x < R(-708.0), R(-708.0), x));
+  x = min(max(x, R(-708.0)), R(709.0));
   const R shifted = multiply_add(x, R(log2_e), R(rounding));
   const R k = shifted - R(rounding);
   const R high = multiply_add(k, R(-ln2_high), x);
@@ -71,7 +71,7 @@ TALUS_HD R log(R x) {
   constexpr std::uint64_t sqrt_half = 0x3fe6a09e667f3bcdu;  // bits of sqrt(1/2)
   constexpr std::uint64_t one = 1023ull << 52;
   const R trouble = x - x;  // 0, or NaN for what is not finite
-  x = select(x < R(2.2250738585072014e-308), R(2.2250738585072014e-308), x);
+  x = max(x, R(2.2250738585072014e-308));
   const auto shifted = bits(x) - sqrt_half + one;
   const auto exponent = shifted >> 52;  // k + 1023, with x = 2^k m, sqrt(1/2) <= m < sqrt(2)
   const R m = number(bits(x) - (exponent << 52) + one);

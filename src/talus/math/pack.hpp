@@ -10,6 +10,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstdint>
+#include <limits>
 
 #include "talus/base/portability.hpp"
 
@@ -58,6 +59,9 @@ struct Quad {
   friend Quad select(QuadMask m, Quad a, Quad b) { return Quad(m.lanes ? a.lanes : b.lanes); }
   friend Quad sqrt(Quad x) { return Quad(square_roots(x.lanes)); }
   friend Quad floor(Quad x) { return Quad(floors(x.lanes)); }
+  friend Quad abs(Quad x) { return Quad((FourDoubles)((FourMasks)x.lanes & std::numeric_limits<long>::max())); }
+  friend Quad max(Quad a, Quad b) { return Quad(larger(a.lanes, b.lanes)); }
+  friend Quad min(Quad a, Quad b) { return Quad(smaller(a.lanes, b.lanes)); }
   friend Quad multiply_add(Quad a, Quad b, Quad c) {
     if constexpr (has_fma) return Quad(fused_multiply_add(a.lanes, b.lanes, c.lanes));
     return a * b + c;
@@ -113,6 +117,9 @@ struct Pack {
   friend Pack select(Mask m, Pack a, Pack b) { return {select(m.low, a.low, b.low), select(m.high, a.high, b.high)}; }
   friend Pack sqrt(Pack x) { return {sqrt(x.low), sqrt(x.high)}; }
   friend Pack floor(Pack x) { return {floor(x.low), floor(x.high)}; }
+  friend Pack abs(Pack x) { return {abs(x.low), abs(x.high)}; }
+  friend Pack max(Pack a, Pack b) { return {max(a.low, b.low), max(a.high, b.high)}; }
+  friend Pack min(Pack a, Pack b) { return {min(a.low, b.low), min(a.high, b.high)}; }
   friend Pack multiply_add(Pack a, Pack b, Pack c) {
     return {multiply_add(a.low, b.low, c.low), multiply_add(a.high, b.high, c.high)};
   }
@@ -209,18 +216,9 @@ TALUS_HD inline double sqrt(double x) { return std::sqrt(x); }
 TALUS_HD inline double floor(double x) { return std::floor(x); }
 
 /// |x|, the larger and the smaller; a NaN in the first argument stays a NaN.
-template <Number R>
-TALUS_HD R abs(R x) {
-  return select(x < R(0.0), -x, x);
-}
-template <Number R>
-TALUS_HD R max(R a, R b) {
-  return select(a < b, b, a);
-}
-template <Number R>
-TALUS_HD R min(R a, R b) {
-  return select(b < a, b, a);
-}
+TALUS_HD inline double abs(double x) { return std::fabs(x); }
+TALUS_HD inline double max(double a, double b) { return a < b ? b : a; }
+TALUS_HD inline double min(double a, double b) { return b < a ? b : a; }
 
 /// a b + c, in one rounding where the target has the instruction (see `has_fma`).
 TALUS_HD inline double multiply_add(double a, double b, double c) {
