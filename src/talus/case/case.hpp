@@ -85,7 +85,7 @@ struct Numerics {
   double flip_share = 1;  ///< of `flip`
   bool average_pressure = true;
   Integration integration;
-  double cfl = 0.5;
+  double cfl = 0.65;
   std::optional<double> dt;  ///< fixed step [s]; without it the step adapts
 };
 

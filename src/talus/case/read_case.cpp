@@ -217,8 +217,12 @@ void read_numerics(Section& root, Case& what) {
                      1e-3)
           : 1e-3;
   n.dt = s.optional_number({"dt", "s", Range::positive(), "fixed time step; without it the step adapts"});
-  n.cfl =
-      s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"}, 0.5);
+  // With quadratic splines even a particle alone is stable up to 0.67 (Poisson's ratio 0.2), a body up to 1 and beyond.
+  // With hat functions a body breaks at 1: a particle that has just entered a cell pushes on nodes that have next to no
+  // mass (docs/performance.md).
+  const bool quadratic = n.shape_function == ShapeFunction::quadratic;
+  n.cfl = s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"},
+                   quadratic ? 0.65 : 0.5, quadratic ? "for quadratic shape functions" : "for linear shape functions");
   s.close("[numerics]");
 }
 
