@@ -136,6 +136,21 @@ TEST_F(Program, CheckSaysWhatWasUnderstoodAndWhatItWillTake) {
     EXPECT_TRUE(has(check.output, part)) << part << "\n" << check.output;
 }
 
+TEST_F(Program, AScaledStiffnessIsSaidWhereverARunIsSpokenOf) {
+  std::string text = contents(cases + "elastic_bar.toml");
+  text.replace(text.find("average_pressure = false"), 24, "average_pressure = false\nstiffness_factor = 0.1");
+  const std::string file = write("soft.toml", text), notice = "elastic stiffness is scaled by 0.1";
+  EXPECT_TRUE(has(talus("check " + file).output, notice));
+  const Finished run = talus("run " + file + " --until '20 ms' --out " + in("soft"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, notice)) << run.output;
+  EXPECT_TRUE(has(run.output, "3.2 times longer")) << run.output;
+  EXPECT_TRUE(has(contents(folder_ / "soft/report.html"), notice));
+  EXPECT_TRUE(has(contents(folder_ / "soft/record.json"), notice));
+  const Finished unscaled = talus("run " + cases + "elastic_bar.toml --until '20 ms' --out " + in("stiff"));
+  EXPECT_FALSE(has(unscaled.output, "stiffness is scaled")) << unscaled.output;
+}
+
 TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
   const Finished list = talus("list");
   EXPECT_EQ(list.code, 0);

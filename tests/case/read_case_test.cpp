@@ -152,6 +152,28 @@ TEST(ReadCase, ALawIsAskedOnlyForWhatItStartsFrom) {
   EXPECT_NE(complaints(replaced("psi = \"0 deg\"", "psi = \"31 deg\"")).find("must not exceed phi"), std::string::npos);
 }
 
+TEST(ReadCase, AStiffnessFactorAboveZeroAndUpToOneIsTaken) {
+  EXPECT_EQ(read_case_text("case.toml", slump()).what.numerics.stiffness_factor, 1);
+  for (const char* factor : {"0.1", "1e-3", "1"}) {
+    const std::string text = slump("[run]", "[numerics]\nstiffness_factor = " + std::string(factor) + "\n[run]");
+    EXPECT_EQ(read_case_text("case.toml", text).what.numerics.stiffness_factor, std::stod(factor));
+  }
+  for (const char* factor : {"0", "-0.1", "2", "1.000001"})
+    expect_complaint("[run]", "[numerics]\nstiffness_factor = " + std::string(factor) + "\n[run]",
+                     "stiffness_factor = ");
+  expect_complaint("[run]", "[numerics]\nstiffness_factor = 0\n[run]", "must be greater than 0 and at most 1");
+  for (const char* factor : {"\"0.1\"", "true", "\"10 kPa\""})
+    expect_complaint("[run]", "[numerics]\nstiffness_factor = " + std::string(factor) + "\n[run]",
+                     "is not a plain number");
+}
+
+TEST(ReadCase, AStiffnessThatALawDoesNotHaveCannotBeScaled) {
+  std::string text = slump("law = \"granular\"", "law = \"mu_i\"");
+  text.replace(text.find("[run]"), 5, "[numerics]\nstiffness_factor = 0.5\n[run]");
+  const std::string said = complaints(text);
+  EXPECT_NE(said.find("must be 1: law `mu_i` of material `glass` has no elastic stiffness"), std::string::npos) << said;
+}
+
 TEST(ReadCase, ATextThatIsNoTomlIsRefusedWhereItStops) {
   const std::string said = complaints("title = \"x\"\n[domain\n");
   EXPECT_EQ(said.rfind("case.toml:2:", 0), 0u) << said;

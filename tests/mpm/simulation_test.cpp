@@ -276,6 +276,46 @@ TEST_P(InBothDimensions, TheResultHasTheSameBitsOnAnyNumberOfThreads) {
   }
 }
 
+// ---- softer than asked for, to go faster -------------------------------------------------------------------------
+
+TEST(Simulation, ScaledStiffnessIsThatOfASofterMaterialBitForBit) {
+  const auto loop = make_serial();
+  Case scaled = block(2, rubber(1e6), 1000), soft = block(2, rubber(0.25e6), 1000);
+  for (Case* what : {&scaled, &soft}) {
+    what->walls[2] = WallKind::slip;
+    what->bodies[0].region = Box{{1.5, 0, 0}, {2, 1, 0}};
+  }
+  scaled.numerics.stiffness_factor = 0.25;
+  const auto a = make_simulation(scaled, *loop), b = make_simulation(soft, *loop);
+  for (int i = 0; i < 50; ++i) {
+    a->step();
+    b->step();
+  }
+  EXPECT_EQ(a->ledger().time, b->ledger().time);
+  EXPECT_GT(a->ledger().elastic, 0);
+  for (const char* f : {"position", "velocity", "stress"})
+    EXPECT_EQ(a->observe().find(f)->values, b->observe().find(f)->values) << f;
+}
+
+TEST(Simulation, ATenthOfTheStiffnessMakesStepsOfGroundAtRestLongerByTheRootOfTen) {
+  const auto loop = make_openmp(2);
+  Case what = column_at_rest(2, WallKind::slip);
+  const auto stiff = make_simulation(what, *loop);
+  what.numerics.stiffness_factor = 0.1;
+  const auto soft = make_simulation(what, *loop);
+  EXPECT_NEAR(soft->next_dt() / stiff->next_dt(), std::sqrt(10), 1e-12);
+  EXPECT_NEAR(soft->ledger().elastic / stiff->ledger().elastic, 10, 1e-10);
+  const std::vector<double> at_start = soft->observe().find("p")->values;
+  EXPECT_EQ(at_start, stiff->observe().find("p")->values);
+
+  // and it still is at rest: no jolt because the start was made with another stiffness
+  run_until(*stiff, 0.02);
+  run_until(*soft, 0.02);
+  EXPECT_NEAR(double(stiff->ledger().step) / double(soft->ledger().step), std::sqrt(10), 0.1);
+  EXPECT_LT(soft->ledger().max_speed, 2e-3 * std::sqrt(10) * std::sqrt(10));  // it settles ten times as far
+  EXPECT_EQ(soft->ledger().n_separated, 0);
+}
+
 // ---- when it breaks ----------------------------------------------------------------------------------------------
 
 TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {

@@ -9,6 +9,7 @@
 #include "talus/base/machine.hpp"
 #include "talus/case/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/output/report.hpp"
 
 namespace talus {
 
@@ -31,6 +32,9 @@ int check_case(const std::string& case_file, int threads) {
   const Case& what = input.what;
   fmt::print("{} is understood as\n", case_file);
   print_understood(input.understood);
+
+  if (const std::string notice = notice_of_stiffness(what.numerics); !notice.empty())
+    fmt::print("\nwarning: {}\n", notice);
 
   const auto loop = make_openmp(threads);
   const auto simulation = make_simulation(what, *loop);

@@ -86,6 +86,8 @@ struct Numerics {
   bool average_pressure = true;
   Integration integration;
   double cfl = 0.65;
+  /// Multiplies the elastic stiffness of every material: softer ground lets the steps be longer.
+  double stiffness_factor = 1;
   std::optional<double> dt;  ///< fixed step [s]; without it the step adapts
 };
 

@@ -223,6 +223,18 @@ void read_numerics(Section& root, Case& what) {
   const bool quadratic = n.shape_function == ShapeFunction::quadratic;
   n.cfl = s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"},
                    quadratic ? 0.65 : 0.5, quadratic ? "for quadratic shape functions" : "for linear shape functions");
+  n.stiffness_factor =
+      s.number({"stiffness_factor",
+                "1",
+                {0, 1, true, false},
+                "multiplies the elastic stiffness of every material: below 1 steps are longer, waves slower"},
+               1.0);
+  if (n.stiffness_factor != 1)
+    for (const Material& m : what.materials)
+      if (!scales_stiffness(m.law))
+        s.complain("stiffness_factor",
+                   fmt::format("must be 1: law `{}` of material `{}` has no elastic stiffness to scale", name_of(m.law),
+                               m.name));
   s.close("[numerics]");
 }
 

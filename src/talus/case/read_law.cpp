@@ -47,6 +47,10 @@ bool has_lasting_contacts(const AnyLaw& law) {
   return std::visit([]<class Law>(const Law&) { return HasLastingContacts<Law>; }, law);
 }
 
+bool scales_stiffness(const AnyLaw& law) {
+  return std::visit([]<class Law>(const Law&) { return ScalesStiffness<Law>; }, law);
+}
+
 bool tells(const AnyLaw& law, std::string_view quantity) {
   return std::visit(
       [&]<class Law>(const Law&) {

@@ -19,6 +19,9 @@ std::optional<Range> void_ratios_of(const AnyLaw& law);
 /// Whether the law carries a stress at rest.
 bool has_lasting_contacts(const AnyLaw& law);
 
+/// Whether the law has an elastic stiffness that can be scaled.
+bool scales_stiffness(const AnyLaw& law);
+
 /// Whether a quantity of this name can be read off the law's state.
 bool tells(const AnyLaw& law, std::string_view quantity);
 

@@ -49,6 +49,7 @@ struct DruckerPrager {
     M_psi = flow_slope();
     apex = -c / std::tan(phi);
   }
+  void scale_stiffness(double factor) { E *= factor; }
   TALUS_HD double bulk_modulus() const { return E / (3 * (1 - 2 * nu)); }
   TALUS_HD double shear_modulus() const { return E / (2 * (1 + nu)); }
 

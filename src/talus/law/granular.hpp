@@ -22,6 +22,7 @@ struct GranularOf {
     frictional.prepare();
     collisional.prepare();
   }
+  void scale_stiffness(double factor) { frictional.scale_stiffness(factor); }
 
   template <class R>
   using CollisionalState = std::conditional_t<WithHistory, MuI::History<R>, SymTensor<R>>;

@@ -18,6 +18,7 @@
 ///   remembers_strain_rate     true if the state holds the last strain rate
 ///   controls_error            true if modified_euler keeps within its tolerance however long the step
 ///   fault()                   what is wrong with the parameters together
+///   scale_stiffness(factor)   multiplies the elastic stiffness, and touches nothing else
 ///   compression, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
 /// How to write one: docs/howto/add_a_law.md.
 /// `update` neither allocates nor throws nor calls virtual functions. What it cannot do it says in its Response.
@@ -114,6 +115,12 @@ concept RemembersStrainRate = requires {
 template <class Law>
 concept ControlsError = requires {
   requires Law::controls_error;
+};
+
+/// A law with an elastic stiffness that a run may scale.
+template <class Law>
+concept ScalesStiffness = requires(Law& law) {
+  law.scale_stiffness(1.0);
 };
 
 /// Something that can be read off a state: written to snapshots, element tests and tables.

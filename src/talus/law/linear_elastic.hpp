@@ -10,6 +10,7 @@ struct LinearElastic {
   double nu;  ///< Poisson's ratio
 
   TALUS_HD void prepare() {}
+  void scale_stiffness(double factor) { E *= factor; }
   TALUS_HD double bulk_modulus() const { return E / (3 * (1 - 2 * nu)); }
   TALUS_HD double shear_modulus() const { return E / (2 * (1 + nu)); }
 

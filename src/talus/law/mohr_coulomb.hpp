@@ -27,6 +27,7 @@ struct MohrCoulomb {
     tan_phi = std::tan(phi);
     tan_psi = std::tan(psi);
   }
+  void scale_stiffness(double factor) { E *= factor; }
   TALUS_HD double bulk_modulus() const { return E / (3 * (1 - 2 * nu)); }
   TALUS_HD double shear_modulus() const { return E / (2 * (1 + nu)); }
   /// p at the apex, -c cot phi [Pa].

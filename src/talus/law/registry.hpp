@@ -35,6 +35,19 @@ AnyLaw settled(const Law& law) {
   return law;
 }
 
+/// The law with its elastic stiffness multiplied by `factor`; laws without one stay as they are.
+inline AnyLaw with_scaled_stiffness(AnyLaw any_law, double factor) {
+  std::visit(
+      [&]<class Law>(Law& law) {
+        if constexpr (ScalesStiffness<Law>) {
+          law.scale_stiffness(factor);
+          law.prepare();
+        }
+      },
+      any_law);
+  return any_law;
+}
+
 /// Laws under whose name a user asks; the others are variants that their options ask for.
 template <class Law>
 inline constexpr bool is_named = !std::same_as<Law, GranularWithHistory>;

@@ -47,6 +47,8 @@ struct Simsand {
     ln_e_ref = std::log(e_ref);
   }
 
+  void scale_stiffness(double factor) { E0 *= factor; }
+
   template <class R>
   struct State {
     SymTensor<R> stress;    ///< sigma_f [Pa], tension-positive

@@ -41,10 +41,12 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
   const std::vector<Vec<3>> points = lattice_points(spec, Dim);
   if (points.empty())
     throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
+  // The start is made by the law that the run goes on with, so that its elastic strains fit its stress.
+  const AnyLaw scaled = with_scaled_stiffness(material.law, what.numerics.stiffness_factor);
   return std::visit(
       [&]<class Law>(const Law& law) {
         const int n = int(points.size());
-        Body<Dim> body{spec.name, material.law, Particles<Dim>(state_size<Law>), {}};
+        Body<Dim> body{spec.name, scaled, Particles<Dim>(state_size<Law>), {}};
         Particles<Dim>& p = body.particles;
         p.resize(n);
         // The points share the exact volume of the region, so its mass is exact whatever the lattice.
@@ -76,7 +78,7 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
         }
         return body;
       },
-      material.law);
+      scaled);
 }
 
 template <int Dim>

@@ -23,8 +23,19 @@ std::string share(double part, const Ledger& l) {
 
 }  // namespace
 
+std::string notice_of_stiffness(const Numerics& numerics) {
+  const double factor = numerics.stiffness_factor;
+  if (factor == 1) return "";
+  return fmt::format(
+      "The elastic stiffness is scaled by {:.4g} (`stiffness_factor`): steps that waves bound are about {:.2g} times "
+      "longer; waves travel {:.2g} times slower, and the ground settles elastically {:.3g} times as much. Compare one "
+      "run with 1.",
+      factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
+}
+
 std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
   std::vector<std::string> warnings;
+  if (const std::string notice = notice_of_stiffness(what.numerics); !notice.empty()) warnings.push_back(notice);
   const Ledger& l = run.ledger;
   const double energy = l.turnover;
   if (what.numerics.transfer == Transfer::flip && what.numerics.flip_share < 1)

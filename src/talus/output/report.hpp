@@ -29,6 +29,9 @@ struct RunSummary {
   std::vector<std::string> warnings;
 };
 
+/// What a scaled stiffness means for a run; nothing where it is not scaled.
+std::string notice_of_stiffness(const Numerics& numerics);
+
 /// Warnings that a run's numbers call for.
 std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
 
