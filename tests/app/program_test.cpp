@@ -151,6 +151,21 @@ TEST_F(Program, AScaledStiffnessIsSaidWhereverARunIsSpokenOf) {
   EXPECT_FALSE(has(unscaled.output, "stiffness is scaled")) << unscaled.output;
 }
 
+TEST_F(Program, ARunSaysWhatBoundedItsSteps) {
+  const Finished run = talus("run " + cases + "elastic_bar.toml --until '20 ms' --out " + in("bar"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "on average; bound by waves and motion")) << run.output;
+  EXPECT_TRUE(has(contents(folder_ / "bar/report.html"), "waves and particles stay within a share of a cell"));
+  const auto record = nlohmann::json::parse(contents(folder_ / "bar/record.json"));
+  long steps = 0;
+  for (const auto& held : record["time_step"]["steps_bound_by"]) steps += held.get<long>();
+  EXPECT_EQ(steps, record["run"]["steps"].get<long>());
+  EXPECT_LE(record["time_step"]["shortest_seconds"], record["time_step"]["mean_seconds"]);
+  EXPECT_LE(record["time_step"]["mean_seconds"], record["time_step"]["longest_seconds"]);
+  EXPECT_NEAR(double(steps) * record["time_step"]["mean_seconds"].get<double>(),
+              record["run"]["simulated_seconds"].get<double>(), 1e-12);
+}
+
 TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
   const Finished list = talus("list");
   EXPECT_EQ(list.code, 0);

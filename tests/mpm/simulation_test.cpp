@@ -316,6 +316,26 @@ TEST(Simulation, ATenthOfTheStiffnessMakesStepsOfGroundAtRestLongerByTheRootOfTe
   EXPECT_EQ(soft->ledger().n_separated, 0);
 }
 
+// ---- what bounds the step ----------------------------------------------------------------------------------------
+
+TEST(Simulation, AtRestWavesBoundTheStepAndTheTallySaysSo) {
+  const auto loop = make_serial();
+  Case what = column_at_rest(2, WallKind::slip);
+  const auto s = make_simulation(what, *loop);
+  for (int i = 0; i < 30; ++i) s->step();
+  EXPECT_EQ(s->tally().n(), 30);
+  EXPECT_EQ(s->tally().n(), s->ledger().step);
+  EXPECT_NEAR(s->tally().sum, s->ledger().time, 1e-12);
+  EXPECT_GT(s->tally().share(Bound::waves_and_motion), 0.9);
+  EXPECT_GT(s->tally().mean_of(s->tally().wave_share), 0.99);
+
+  what.numerics.dt = 1e-5;
+  const auto fixed = make_simulation(what, *loop);
+  for (int i = 0; i < 5; ++i) fixed->step();
+  EXPECT_EQ(fixed->tally().share(Bound::fixed), 1);
+  EXPECT_EQ(fixed->tally().longest, 1e-5);
+}
+
 // ---- when it breaks ----------------------------------------------------------------------------------------------
 
 TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {

@@ -168,6 +168,7 @@ int run_case(const RunOptions& options) {
   run.wall_seconds = progress.seconds();
   run.cpu_seconds = cpu_seconds() - cpu_before;
   run.ledger = simulation->ledger();
+  run.tally = simulation->tally();
   run.end = outlines.find(simulation->places().places);
   run.bytes = simulation->bytes();
   run.n_snapshots = snapshots.size();
@@ -179,6 +180,7 @@ int run_case(const RunOptions& options) {
                                           ? std::vector<Picture>{}
                                           : draw_charts(folder / "pictures", folder / "history.csv", history, what.dim);
   write_report(folder / "report.html", what, run, drawn, charts);
+  fmt::print(stderr, "{}\n", in_words(run.tally));
   for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
   if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
   if (!run.failure.empty()) throw RunError(run.failure);

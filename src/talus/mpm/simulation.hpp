@@ -7,6 +7,7 @@
 
 #include "talus/case/case.hpp"
 #include "talus/mpm/loop.hpp"
+#include "talus/mpm/time_step.hpp"
 
 namespace talus {
 
@@ -74,6 +75,8 @@ class Simulation {
   /// Advances by one stable step. Throws RunError when the run breaks; the state is then that at the break.
   virtual void step() = 0;
   virtual const Ledger& ledger() const = 0;
+  /// Of the steps made so far.
+  virtual const StepTally& tally() const = 0;
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;

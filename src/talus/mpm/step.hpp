@@ -40,7 +40,9 @@ class Stepper final : public Simulation {
   }
 
   void step() override {
-    const double dt = next_dt();
+    const StepBounds limits = bounds();
+    const BoundedStep next = next_step();
+    const double dt = next.dt;
     const TileSums nodes = find_node_velocities();
     ledger_.numerical += ledger_.kinetic - nodes.held_kinetic;
     update_stresses(dt);
@@ -51,24 +53,12 @@ class Stepper final : public Simulation {
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     ++ledger_.step;
+    tally_.add(next, limits);
   }
 
-  double next_dt() const override {
-    if (numerics_.dt) return *numerics_.dt;
-    const double speed_of_gravity = std::sqrt(dot(gravity_, gravity_));
-    const double stable =
-        stable_step({domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, speed_of_gravity});
-    const double dt = std::min(stable, 1.2 * last_dt_);  // lets what stiffens be seen before the step has grown past it
-    if (!(dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed)))
-      throw RunError(
-          fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
-                      "fastest particle {:.4g} m/s, "
-                      "viscosity {:.4g} m2/s",
-                      dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
-    return dt;
-  }
-
+  double next_dt() const override { return next_step().dt; }
   const Ledger& ledger() const override { return ledger_; }
+  const StepTally& tally() const override { return tally_; }
   Observation observe() override;
   ParticlePlaces places() const override;
   long n_particles() const override {
@@ -85,6 +75,23 @@ class Stepper final : public Simulation {
   }
 
  private:
+  BoundedStep next_step() const {
+    if (numerics_.dt) return {*numerics_.dt, Bound::fixed};
+    const BoundedStep next = stable_step(bounds());
+    const double dt = next.dt;
+    if (!(dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed)))
+      throw RunError(
+          fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
+                      "fastest particle {:.4g} m/s, "
+                      "viscosity {:.4g} m2/s",
+                      dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
+    return next;
+  }
+  StepBounds bounds() const {
+    return {domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, std::sqrt(dot(gravity_, gravity_)),
+            last_dt_};
+  }
+
   // ---- the step, a verb a function --------------------------------------------------------------------------------
 
   /// v_I = sum N m v / sum N m, and what walls allow of it.
@@ -423,6 +430,7 @@ class Stepper final : public Simulation {
   std::vector<Scratch> scratch_;
   Shares shares_;  ///< the tiles, dealt out
   Ledger ledger_;
+  StepTally tally_;
   double drift_ = 0;  ///< bound on how far any particle has moved since it was put in order, in cells
   double wave_speed_ = 0, viscosity_ = 0, node_speed_ = 0, least_mass_ = 0;
   double last_dt_ = std::numeric_limits<double>::infinity();

@@ -1,9 +1,12 @@
 #pragma once
-/// How long the next step may be.
+/// How long the next step may be, and what bounded those that were made.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "talus/base/parameter.hpp"
 
 namespace talus {
 
@@ -15,17 +18,72 @@ struct StepBounds {
   double speed;         ///< of the fastest particle [m/s]
   double viscosity;     ///< largest kinematic viscosity [m2/s]
   double acceleration;  ///< that acts from outside, gravity [m/s2]
+  double last_step = std::numeric_limits<double>::infinity();  ///< [s]
+
+  /// At which information crosses the grid [m/s]. 1.3: particles move with the nodes' velocity, which the step may
+  /// still change.
+  double signal_speed() const { return wave_speed + 1.3 * speed; }
 };
 
-/// The step [s]: waves and particles stay within a share of a cell, collisional stress diffuses stably, and from rest
-/// without stiffness gravity may not carry a particle further than that share either.
-inline double stable_step(const StepBounds& b) {
-  // 1.3: particles move with the nodes' velocity, which the step may still change.
-  const double speed = b.wave_speed + 1.3 * b.speed;
-  double dt = speed > 0 ? b.cfl * b.h / speed : std::numeric_limits<double>::infinity();
-  if (b.viscosity > 0) dt = std::min(dt, b.cfl * b.h * b.h / (2 * b.viscosity));
-  if (b.acceleration > 0) dt = std::min(dt, b.cfl * std::sqrt(b.h / b.acceleration));
-  return dt;
+/// The bound that a step stopped at.
+enum class Bound { waves_and_motion, viscosity, gravity, growth, fixed };
+inline constexpr Choice bound_names[] = {
+    {"waves_and_motion", "waves and particles stay within a share of a cell"},
+    {"viscosity", "collisional stress diffuses stably"},
+    {"gravity", "from rest gravity carries no particle beyond that share"},
+    {"growth", "1.2 times the step before, so that what stiffens is seen in time"},
+    {"fixed", "the step the case file fixes"},
+};
+inline constexpr int n_bounds = std::size(bound_names);
+
+struct BoundedStep {
+  double dt;  ///< [s]; infinite if nothing bounds it
+  Bound bound;
+};
+
+/// The longest step within all bounds, and the one that holds it.
+inline BoundedStep stable_step(const StepBounds& b) {
+  BoundedStep step{std::numeric_limits<double>::infinity(), Bound::waves_and_motion};
+  const auto at_most = [&](double dt, Bound bound) {
+    if (dt < step.dt) step = {dt, bound};
+  };
+  if (b.signal_speed() > 0) at_most(b.cfl * b.h / b.signal_speed(), Bound::waves_and_motion);
+  if (b.viscosity > 0) at_most(b.cfl * b.h * b.h / (2 * b.viscosity), Bound::viscosity);
+  if (b.acceleration > 0) at_most(b.cfl * std::sqrt(b.h / b.acceleration), Bound::gravity);
+  at_most(1.2 * b.last_step, Bound::growth);
+  return step;
 }
+
+/// How long the steps of a run were, and what bounded them.
+struct StepTally {
+  std::array<long, n_bounds> held{};                                                ///< steps that each bound held
+  double shortest = std::numeric_limits<double>::infinity(), longest = 0, sum = 0;  ///< of the steps [s]
+  /// Of the steps that waves and motion held: sums of the speeds [m/s], and of the part that waves have of their sum.
+  double wave_speed = 0, speed = 0, wave_share = 0;
+
+  void add(const BoundedStep& step, const StepBounds& b) {
+    ++held[int(step.bound)];
+    shortest = std::min(shortest, step.dt);
+    longest = std::max(longest, step.dt);
+    sum += step.dt;
+    if (step.bound != Bound::waves_and_motion || !(b.signal_speed() > 0)) return;
+    wave_speed += b.wave_speed;
+    speed += b.speed;
+    wave_share += b.wave_speed / b.signal_speed();
+  }
+
+  long n() const {
+    long all = 0;
+    for (long one : held) all += one;
+    return all;
+  }
+  double mean() const { return sum / double(std::max(1L, n())); }
+  /// Share of all steps that a bound held.
+  double share(Bound bound) const { return double(held[int(bound)]) / double(std::max(1L, n())); }
+  /// The mean of something that was summed over the steps which waves and motion held.
+  double mean_of(double sum_over_steps) const {
+    return sum_over_steps / double(std::max(1L, held[int(Bound::waves_and_motion)]));
+  }
+};
 
 }  // namespace talus

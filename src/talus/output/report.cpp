@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <sstream>
@@ -31,6 +32,25 @@ std::string notice_of_stiffness(const Numerics& numerics) {
       "longer; waves travel {:.2g} times slower, and the ground settles elastically {:.3g} times as much. Compare one "
       "run with 1.",
       factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
+}
+
+std::string in_words(const StepTally& t) {
+  const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
+  if (t.n() == 0) return "no steps";
+  std::string text = fmt::format("{} steps of {} to {}, {} on average; bound by", t.n(), length(t.shortest),
+                                 length(t.longest), length(t.mean()));
+  std::string separator = " ";
+  for (int i = 0; i < n_bounds; ++i) {
+    if (t.held[i] == 0) continue;
+    std::string name(bound_names[i].word);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    text += fmt::format("{}{} {:.1f} %", separator, name, 100 * t.share(Bound(i)));
+    separator = ", ";
+    if (Bound(i) == Bound::waves_and_motion)
+      text += fmt::format(" (waves at {:.3g} m/s make {:.0f} % of it, particles at {:.2g} m/s the rest)",
+                          t.mean_of(t.wave_speed), 100 * t.mean_of(t.wave_share), t.mean_of(t.speed));
+  }
+  return text;
 }
 
 std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
@@ -86,6 +106,17 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                             {"elastic", l.elastic},     {"plastic", l.plastic},     {"collisional", l.collisional},
                             {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover},
                             {"error", l.error()}};
+  const StepTally& t = run.tally;
+  nlohmann::ordered_json held;
+  for (int i = 0; i < n_bounds; ++i) held[std::string(bound_names[i].word)] = t.held[i];
+  record["time_step"] = {{"shortest_seconds", t.n() > 0 ? t.shortest : 0},
+                         {"mean_seconds", t.mean()},
+                         {"longest_seconds", t.longest},
+                         {"steps_bound_by", held},
+                         {"of_waves_and_motion",
+                          {{"mean_wave_speed", t.mean_of(t.wave_speed)},
+                           {"mean_fastest_particle", t.mean_of(t.speed)},
+                           {"share_of_waves", t.mean_of(t.wave_share)}}}};
   const auto outline = [](const Outline& o) {
     return nlohmann::ordered_json{{"front_x_min", o.front_min[0]},
                                   {"front_x_max", o.front_max[0]},
@@ -151,6 +182,13 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
   energy("was lost when compression was averaged over cells", l.averaging);
   energy("was lost in the transfers between particles and grid", l.numerical);
   energy("is not accounted for", -l.error());
+  page << "</table>\n";
+
+  page << "<h2>Time step</h2>\n<p>" << escaped(in_words(run.tally)) << ".</p>\n<table>\n";
+  for (int i = 0; i < n_bounds; ++i)
+    if (run.tally.held[i] > 0)
+      page << fmt::format("<tr><td>{}</td><td class=\"n\">{} steps</td><td class=\"n\">{:.2f} %</td></tr>\n",
+                          bound_names[i].meaning, run.tally.held[i], 100 * run.tally.share(Bound(i)));
   page << "</table>\n";
 
   page << "<h2>The case as it was understood</h2>\n<p>Grey: defaults.</p>\n<table>\n";

@@ -19,6 +19,7 @@ struct RunSummary {
   std::string case_text;  ///< the file as it was read
   std::vector<Understood> understood;
   Ledger ledger;
+  StepTally tally;
   Outline start, end;
   double wall_seconds = 0, cpu_seconds = 0;
   long n_particles = 0;
@@ -31,6 +32,9 @@ struct RunSummary {
 
 /// What a scaled stiffness means for a run; nothing where it is not scaled.
 std::string notice_of_stiffness(const Numerics& numerics);
+
+/// How long the steps were and what bounded them, in a sentence.
+std::string in_words(const StepTally& tally);
 
 /// Warnings that a run's numbers call for.
 std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
