@@ -138,6 +138,13 @@ TEST(ReadCase, WhatDoesNotFitTogetherIsRefused) {
                    "exactly one of");
 }
 
+TEST(ReadCase, ADomainMayHaveAMillionCellsAlongAnAxisAndNoMore) {
+  const std::string corner = "max = [\"240 mm\", \"64 mm\"]";
+  const CaseFile file = read_case_text("case.toml", slump(corner, "max = [\"1999.76 m\", \"2 km\"]"));
+  EXPECT_EQ(file.what.n_cells, (Index<3>{1000000, 1000000, 0}));
+  expect_complaint(corner, "max = [\"2.1 km\", \"64 mm\"]", "at most 1e6 are possible");
+}
+
 TEST(ReadCase, ALawIsAskedOnlyForWhatItStartsFrom) {
   std::string text = text_of(TALUS_SOURCE_DIR "/cases/free_fall.toml");
   const auto replaced = [&](const std::string& what, const std::string& with) {

@@ -336,6 +336,37 @@ TEST(Simulation, AtRestWavesBoundTheStepAndTheTallySaysSo) {
   EXPECT_EQ(fixed->tally().longest, 1e-5);
 }
 
+// ---- empty space costs nothing -----------------------------------------------------------------------------------
+
+TEST(Simulation, InADomainOfATrillionCellsABodyMovesByTheSameBitsInTheSameMemory) {
+  const auto loop = make_serial();
+  Case near = block(3, rubber(), 1000), far = near;
+  far.domain.max = {1000, 1000, 1000};
+  far.n_cells = {10000, 10000, 10000};
+  const auto a = make_simulation(near, *loop), b = make_simulation(far, *loop);
+  for (int i = 0; i < 20; ++i) {
+    a->step();
+    b->step();
+  }
+  EXPECT_EQ(a->observe().find("position")->values, b->observe().find("position")->values);
+  EXPECT_EQ(a->n_tiles(), b->n_tiles());
+  EXPECT_EQ(a->bytes(), b->bytes());
+}
+
+TEST(Simulation, InTheFarCornerOfTheLargestDomainABodyStillFalls) {
+  const auto loop = make_serial();
+  Case what = block(3, rubber(), 1000);
+  what.cell = 0.125;  // exact in binary, as are the places below
+  what.domain = {{0, 0, 0}, {125000, 125000, 125000}};
+  what.n_cells = {1000000, 1000000, 1000000};
+  what.bodies[0].region = Box{{124998, 124998, 124998}, {124999, 124999, 124999}};
+  what.bodies[0].spacing = 0.0625;
+  const auto s = make_simulation(what, *loop);
+  for (int i = 0; i < 20; ++i) s->step();
+  EXPECT_NEAR(s->ledger().momentum[2], -s->ledger().mass * g * s->ledger().time, 1e-9 * s->ledger().mass);
+  EXPECT_EQ(s->ledger().mass, 1000);
+}
+
 // ---- when it breaks ----------------------------------------------------------------------------------------------
 
 TEST(Simulation, AParticleThatLeavesTheDomainStopsTheRunAndIsNamed) {
