@@ -6,12 +6,17 @@
 
 #include <cxxabi.h>
 #include <fmt/format.h>
+#include <malloc.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +25,7 @@
 #include "talus/base/machine.hpp"
 #include "talus/case/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/output/snapshot.hpp"
 
 namespace talus {
 namespace {
@@ -80,24 +86,46 @@ struct Benchmark {
   int first_steps;  ///< made before the first measurement, so that what is to flow flows
 };
 
-/// A column that stands free on a rough base: a cube of `edge`^3 cells of 10 mm with eight particles each.
-Case column_3d(int edge, const std::string& material) {
-  const std::string text = fmt::format(
-      R"(
-title = "A column"
+/// A box, its corners counted in cells.
+struct Cells {
+  Index<3> low, high;
+};
+
+constexpr const char* elastic = R"(law = "linear_elastic"
+E = "10 MPa"
+nu = 0.3
+density = "2000 kg/m3")";
+// Drucker-Prager's cone: Mohr-Coulomb's strength in triaxial compression in every direction.
+constexpr const char* cone = R"(law = "mohr_coulomb"
+lode = "none"
+E = "10 MPa"
+nu = 0.3
+c = "0 Pa"
+phi = "30 deg"
+psi = "0 deg"
+density = "2000 kg/m3")";
+
+/// A block of ground on a rough base: eight particles in each of its cells of 10 mm.
+Case ground(const Cells& domain, const Cells& block, const char* material) {
+  const auto corner = [](const Index<3>& i) {
+    return fmt::format(R"(["{} mm", "{} mm", "{} mm"])", 10L * i[0], 10L * i[1], 10L * i[2]);
+  };
+  const std::string text =
+      fmt::format(R"(
+title = "Ground"
 [domain]
 kind = "3d"
-min = ["{0} mm", "{0} mm", "0 mm"]
-max = ["{1} mm", "{1} mm", "{2} mm"]
+min = {}
+max = {}
 cell = "10 mm"
 gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
 [domain.walls]
 z_min = "no_slip"
 [material.ground]
-{3}
-[body.column]
+{}
+[body.block]
 material = "ground"
-box = {{ min = ["0 mm", "0 mm", "0 mm"], max = ["{4} mm", "{4} mm", "{4} mm"] }}
+box = {{ min = {}, max = {} }}
 spacing = "5 mm"
 initial_stress = "zero"
 [run]
@@ -106,42 +134,80 @@ end = "1 s"
 snapshots = "1 s"
 history = "1 s"
 )",
-      -20 * edge, 30 * edge, 20 * edge, material, 10 * edge);
-  return read_case_text("column", text).what;
+                  corner(domain.low), corner(domain.high), material, corner(block.low), corner(block.high));
+  return read_case_text("ground", text).what;
 }
 
-std::vector<Benchmark> all_benchmarks(bool quick) {
-  const int edge = quick ? 12 : 24;
-  const std::string elastic = R"(law = "linear_elastic"
-E = "10 MPa"
-nu = 0.3
-density = "2000 kg/m3")";
-  // Drucker-Prager's cone: Mohr-Coulomb's strength in triaxial compression in every direction.
-  const std::string cone = R"(law = "mohr_coulomb"
-lode = "none"
-E = "10 MPa"
-nu = 0.3
-c = "0 Pa"
-phi = "30 deg"
-psi = "0 deg"
-density = "2000 kg/m3")";
-  // The grains of the slump stand in its case.
-  const Case slump = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").what;
-  Case grains = column_3d(edge, elastic);
-  grains.materials[0].law = slump.materials[0].law;
-  grains.bodies[0].void_ratio = slump.bodies[0].void_ratio;
-  grains.bodies[0].initial_stress = slump.bodies[0].initial_stress;
+/// A cube that stands free.
+Case column_3d(int edge, const char* material) {
+  return ground({{-2 * edge, -2 * edge, 0}, {3 * edge, 3 * edge, 2 * edge}}, {{0, 0, 0}, {edge, edge, edge}}, material);
+}
 
+Case slump() { return read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").what; }
+
+/// Makes a case one of the slump's grains, which stand in its file, at rest under their weight.
+Case of_grains(Case what) {
+  const Case beads = slump();
+  what.materials[0].law = beads.materials[0].law;
+  what.bodies[0].void_ratio = beads.bodies[0].void_ratio;
+  what.bodies[0].initial_stress = beads.bodies[0].initial_stress;
+  return what;
+}
+
+constexpr std::string_view snapshot_column = "granular column, 3D";
+
+std::vector<Benchmark> usual_benchmarks(bool quick) {
+  const int edge = quick ? 12 : 24;
   return {{"linear elastic column, 3D", column_3d(edge, elastic), 20},
           {"Drucker-Prager column, 3D", column_3d(edge, cone), quick ? 200 : 500},
-          {"granular column, 3D", grains, quick ? 300 : 1000},
-          {"granular slump, 2D", slump, quick ? 300 : 1000}};
+          {std::string(snapshot_column), of_grains(column_3d(edge, elastic)), quick ? 300 : 1000},
+          {"granular slump, 2D", slump(), quick ? 300 : 1000}};
+}
+
+/// The same column in more and more particles: what a particle costs must not grow with their number.
+std::vector<Benchmark> growing_columns(bool quick) {
+  std::vector<Benchmark> columns;
+  for (int edge : {11, 23, 50, 108})  // 1e4, 1e5, 1e6, 1e7 particles
+    if (edge < 100 || !quick)
+      columns.push_back({fmt::format("granular column, {:.0e}", 8.0 * edge * edge * edge),
+                         of_grains(column_3d(edge, elastic)), quick ? 10 : 30});
+  return columns;
+}
+
+/// The same layer of grains, which slides over its base, in larger and larger domains: neither time nor memory may
+/// grow.
+std::vector<Benchmark> growing_domains(bool quick) {
+  std::vector<Benchmark> domains;
+  for (const Index<3>& n : {Index<3>{100, 50, 20},
+                            {200, 100, 50},
+                            {500, 200, 100},
+                            {1000, 500, 200},
+                            {1000, 1000, 1000},
+                            {10000, 10000, 10000}}) {
+    const Cells domain = {{-n[0] / 2, -n[1] / 2, 0}, {n[0] / 2, n[1] / 2, n[2]}};
+    Case layer = of_grains(ground(domain, {{-45, -23, 0}, {45, 22, 6}}, elastic));  // 194400 particles
+    layer.bodies[0].velocity = {0.3, 0, 0};
+    domains.push_back({fmt::format("grains in {:.0e} cells", double(n[0]) * n[1] * n[2]), layer, quick ? 20 : 200});
+  }
+  return domains;
 }
 
 // ---- measurements ------------------------------------------------------------------------------------------------
 
+/// Most memory this process has held since the last `forget_peak` [bytes]; 0 where the system does not tell.
+double peak_memory() {
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmHWM:", 0) == 0) return 1024 * std::stod(line.substr(6));
+  return 0;
+}
+void forget_peak() {
+  malloc_trim(0);
+  std::ofstream("/proc/self/clear_refs") << 5;  // proc(5): resets the peak of the resident memory
+}
+
 struct Measurement {
-  double cpu = 1e300, wall = 1e300;  ///< for one particle and step [s]
+  double cpu = 1e300, wall = 1e300;  ///< for one step [s]
   std::array<double, n_phases> share{};
 };
 
@@ -152,21 +218,31 @@ Measurement measure(Simulation& simulation, TimedLoop& loop, int n_steps) {
   for (int i = 0; i < n_steps; ++i) simulation.step();
   Measurement m{cpu_seconds() - cpu, wall_seconds() - wall, loop.seconds};
   for (double& s : m.share) s /= m.cpu;
-  const double particle_steps = double(simulation.n_particles()) * n_steps;
-  m.cpu /= particle_steps;
-  m.wall /= particle_steps;
+  m.cpu /= n_steps;
+  m.wall /= n_steps;
   return m;
+}
+
+void print_head() {
+  fmt::print("talus {}, {}, on {} x {}\n\n", version(), build(), n_processors(), processor());
+  fmt::print("{:<27}{:>11}{:>9}{:>13}{:>13}{:>10}{:>10}{:>10}{:>9}  share of CPU time [%]\n", "", "", "", "M particle-",
+             "steps per", "ms a", "CPU ns a", "bytes a", "MB at");
+  fmt::print("{:<27}{:>11}{:>9}{:>13}{:>13}{:>10}{:>10}{:>10}{:>9}", "case", "particles", "threads", "CPU-second",
+             "second", "step", "p.-step", "particle", "most");
+  for (const Phase& phase : phases) fmt::print("{:>8}", phase.column);
+  fmt::print("{:>8}\n", "rest");
 }
 
 void run(const Benchmark& benchmark, bool quick) {
   constexpr int n_blocks = 7;
   const double block_seconds = quick ? 0.2 : 1;
+  forget_peak();
   TimedLoop loop(2);
   const auto simulation = make_simulation(benchmark.what, loop);
   loop.threaded = true;
   measure(*simulation, loop, benchmark.first_steps);
   const double n = double(simulation->n_particles());
-  const int n_steps = std::max(2, int(block_seconds / (n * measure(*simulation, loop, 5).cpu)));
+  const int n_steps = std::max(2, int(block_seconds / measure(*simulation, loop, 5).cpu));
 
   Measurement best[2];
   for (int block = 0; block < n_blocks; ++block)
@@ -182,8 +258,9 @@ void run(const Benchmark& benchmark, bool quick) {
     }
   for (int threads : {1, 2}) {
     const Measurement& m = best[threads - 1];
-    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.0f}{:>10.0f}", benchmark.name, n, threads, 1e-6 / m.cpu,
-               1e-6 / m.wall, 1e9 * m.cpu, double(simulation->bytes()) / n);
+    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.3g}{:>10.0f}{:>10.0f}{:>9.0f}", benchmark.name, n, threads,
+               1e-6 * n / m.cpu, 1e-6 * n / m.wall, 1e3 * m.wall, 1e9 * m.cpu / n, double(simulation->bytes()) / n,
+               1e-6 * peak_memory());
     double rest = 1;
     for (double share : m.share) {
       fmt::print("{:>8.0f}", 100 * share);
@@ -194,22 +271,99 @@ void run(const Benchmark& benchmark, bool quick) {
   }
 }
 
+/// What snapshots add to the time of steps: blocks of steps with one, the wait for its end included, beside blocks
+/// without.
+void run_with_snapshots(const Benchmark& benchmark) {
+  constexpr int n_blocks = 3, every = 100;
+  TimedLoop loop(2);
+  const auto simulation = make_simulation(benchmark.what, loop);
+  loop.threaded = true;
+  measure(*simulation, loop, benchmark.first_steps);
+  const auto folder = std::filesystem::temp_directory_path() / fmt::format("talus_steps_{}", ::getpid());
+  std::filesystem::create_directories(folder);
+  SnapshotSeries snapshots(folder, {std::begin(usual_fields), std::end(usual_fields)});
+
+  fmt::print("\n{}, with a snapshot every {} steps beside none:\n", benchmark.name, every);
+  for (int threads : {1, 2}) {
+    loop.threaded = threads > 1;
+    Measurement without, with;
+    for (int block = 0; block < n_blocks; ++block) {
+      const Measurement plain = measure(*simulation, loop, every);
+      without.cpu = std::min(without.cpu, plain.cpu);
+      without.wall = std::min(without.wall, plain.wall);
+      const double cpu = cpu_seconds(), wall = wall_seconds();
+      snapshots.add(simulation->observe());
+      measure(*simulation, loop, every);
+      snapshots.finish();
+      with.cpu = std::min(with.cpu, (cpu_seconds() - cpu) / every);
+      with.wall = std::min(with.wall, (wall_seconds() - wall) / every);
+    }
+    fmt::print(
+        "  {} thread{:<3}{:>10.3g} ms a step beside {:.3g} ({:+.1f} %), CPU {:.3g} ms beside {:.3g} ({:+.1f} %)\n",
+        threads, threads == 1 ? "" : "s", 1e3 * with.wall, 1e3 * without.wall, 100 * (with.wall / without.wall - 1),
+        1e3 * with.cpu, 1e3 * without.cpu, 100 * (with.cpu / without.cpu - 1));
+    std::fflush(stdout);
+  }
+  fmt::print("  a snapshot has {:.3g} MB\n", 1e-6 * double(std::filesystem::file_size(snapshots.last())));
+  std::filesystem::remove_all(folder);
+}
+
+// ---- what to run -------------------------------------------------------------------------------------------------
+
+struct Options {
+  std::vector<Benchmark> (*benchmarks)(bool quick) = usual_benchmarks;
+  bool quick = false;
+  std::string only;  ///< runs those whose name contains it
+};
+
+constexpr const char* usage = R"(usage: talus_steps [--growth | --domain] [--only TEXT] [--quick]
+
+  --growth      a granular column of 1e4 to 1e7 particles (with --quick to 1e6)
+  --domain      the same grains in domains of 1e5 to 1e12 cells
+  --only TEXT   only what has TEXT in its name
+  --quick       smaller and shorter
+)";
+
+/// Nothing if the arguments are wrong.
+std::optional<Options> options_of(int argc, char** argv) {
+  Options options;
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view argument = argv[i];
+    if (argument == "--quick")
+      options.quick = true;
+    else if (argument == "--growth")
+      options.benchmarks = growing_columns;
+    else if (argument == "--domain")
+      options.benchmarks = growing_domains;
+    else if (argument == "--only" && i + 1 < argc)
+      options.only = argv[++i];
+    else
+      return std::nullopt;
+  }
+  return options;
+}
+
 }  // namespace
 }  // namespace talus
 
 int main(int argc, char** argv) {
   using namespace talus;
-  const bool quick = argc == 2 && std::string_view(argv[1]) == "--quick";
-  if (argc > 1 && !quick) {
-    fmt::print(stderr, "usage: talus_steps [--quick]\n");
+  const std::optional<Options> options = options_of(argc, argv);
+  if (!options) {
+    fmt::print(stderr, "{}", usage);
     return 2;
   }
-  fmt::print("talus {}, {}, on {} x {}\n\n", version(), build(), n_processors(), processor());
-  fmt::print("{:<27}{:>11}{:>9}{:>13}{:>13}{:>10}{:>10}  share of CPU time [%]\n", "", "", "", "M particle-",
-             "steps per", "CPU ns a", "bytes a");
-  fmt::print("{:<27}{:>11}{:>9}{:>13}{:>13}{:>10}{:>10}", "case", "particles", "threads", "CPU-second", "second",
-             "p.-step", "particle");
-  for (const Phase& phase : phases) fmt::print("{:>8}", phase.column);
-  fmt::print("{:>8}\n", "rest");
-  for (const Benchmark& benchmark : all_benchmarks(quick)) run(benchmark, quick);
+  const std::vector<Benchmark> all = options->benchmarks(options->quick);
+  std::vector<const Benchmark*> chosen;
+  for (const Benchmark& benchmark : all)
+    if (benchmark.name.find(options->only) != std::string::npos) chosen.push_back(&benchmark);
+  if (chosen.empty()) {
+    fmt::print(stderr, "talus_steps: no name contains `{}`; there are\n", options->only);
+    for (const Benchmark& benchmark : all) fmt::print(stderr, "  {}\n", benchmark.name);
+    return 2;
+  }
+  print_head();
+  for (const Benchmark* benchmark : chosen) run(*benchmark, options->quick);
+  for (const Benchmark* benchmark : chosen)
+    if (benchmark->name == snapshot_column) run_with_snapshots(*benchmark);
 }
