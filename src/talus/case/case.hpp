@@ -102,7 +102,7 @@ struct OutputSpec {
 struct Case {
   std::string title;
   int dim = 2;  ///< 2: plane strain, x and y, y upwards as gravity has it; 3: x, y, z
-  Box domain;
+  Box domain{};
   double cell = 0;  ///< size of the grid's cells [m]
   Index<3> n_cells{};
   Vec<3> gravity{};
