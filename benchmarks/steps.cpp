@@ -2,7 +2,7 @@
 ///
 /// Prints one table. Every measurement is a block of steps that is repeated, and the best block counts: what else runs
 /// on a machine can only slow it down. Rates a CPU-second count the processor time of all threads; for them to mean
-/// work, threads that wait must sleep (OMP_WAIT_POLICY=passive, as `./dev bench` sets it).
+/// work, threads that wait must soon sleep, as they do in talus (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
 
 #include <cxxabi.h>
 #include <fmt/format.h>
