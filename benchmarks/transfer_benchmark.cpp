@@ -80,7 +80,7 @@ void scatter_force(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
   NodeValue flux[Dim];
   for (NodeValue& column : flux) column = NodeValue(1e-9);
-  tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, tile.a); });
+  tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, NodeValue(1e-9), tile.a); });
 }
 
 const bool registered = [] {

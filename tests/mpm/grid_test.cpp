@@ -184,7 +184,7 @@ TYPED_TEST(GridSums, ForcesOfAStressedPointSumToZeroAndItsVirialIsTheStress) {
   NodeValue flux[Dim];
   for (int a = 0; a < Dim; ++a)
     for (int c = 0; c < 4; ++c) flux[a].set(c, 1 + a + 10 * c);
-  scatter_gradient(Point<Dim, Shape>(x, Index<Dim>{}).weights(), flux, nodes.data());
+  scatter_gradient(Point<Dim, Shape>(x, Index<Dim>{}).weights(), flux, NodeValue(0.0), nodes.data());
   for (int c = 0; c < Dim; ++c) {
     double sum = 0, virial[3] = {0, 0, 0};
     for (int i = 0; i < Layout::n_window; ++i) {

@@ -136,7 +136,6 @@ class Stepper final : public Simulation {
     ledger_.collisional += total.collisional_work;
     ledger_.n_separated = total.n_separated;
     ledger_.n_unconverged += total.n_unconverged;
-    wave_speed_ = std::sqrt(total.wave_speed2);
     viscosity_ = total.viscosity;
     if (total.bad)
       stop("the stress is not finite", [](const Body<Dim>& body, int i) {
@@ -146,13 +145,14 @@ class Stepper final : public Simulation {
       });
   }
 
-  /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls allow of it.
+  /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls allow of it. Waves travel at the speed of what is around a
+  /// node: one stiff particle among many does not make them faster.
   void accelerate_nodes(double dt) {
     add_windows();
     NodeValue gravity = zero_node();
     for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
-      const NodeValue *force = grid_.sums(t), *v = grid_.velocity(t);
+      const NodeValue *sum = grid_.sums(t), *v = grid_.velocity(t);
       NodeValue *v_new = grid_.new_velocity(t), *a = grid_.acceleration(t);
       for_each_node(t, [&](int i, NodeValue allowed, bool counts) {
         const double mass = v[i][3];
@@ -160,10 +160,14 @@ class Stepper final : public Simulation {
           v_new[i] = a[i] = zero_node();
           return;
         }
-        a[i] = allowed * (NodeValue(1 / mass) * force[i] + gravity);
+        NodeValue force = sum[i];
+        const double stiffness = force[3];
+        force.set(3, 0);
+        a[i] = allowed * (NodeValue(1 / mass) * force + gravity);
         v_new[i] = v[i] + NodeValue(dt) * a[i];
         if (!counts) return;
-        sums.grid_work -= 0.5 * dt * dot3(force[i], v[i] + v_new[i]);
+        sums.wave_speed2 = std::max(sums.wave_speed2, stiffness / mass);
+        sums.grid_work -= 0.5 * dt * dot3(force, v[i] + v_new[i]);
         const double speed2 = norm2(v_new[i]);
         sums.new_kinetic += 0.5 * mass * speed2;
         sums.node_speed2 = std::max(sums.node_speed2, speed2);
@@ -173,6 +177,7 @@ class Stepper final : public Simulation {
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.acceleration(t); });
     ledger_.numerical += total.new_kinetic + total.grid_work;
     node_speed_ = std::sqrt(total.node_speed2);
+    wave_speed_ = std::sqrt(total.wave_speed2);
   }
 
   /// v_p and x_p from the nodes; then the particles give mass and momentum to the nodes where they are now.
@@ -246,7 +251,9 @@ class Stepper final : public Simulation {
       for (int lane = 0; lane < count; ++lane) {
         NodeValue of_one[Dim];
         for (int a = 0; a < Dim; ++a) of_one[a] = flux[a][lane];
-        scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, force);
+        NodeValue stiffness(0.0);
+        stiffness.set(3, s.stiffness[i + lane]);
+        scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, stiffness, force);
       }
     }
   }

@@ -108,9 +108,10 @@ void scatter(const ParticleWeights<Dim, Shape>& w, NodeValue value, NodeValue* n
   }
 }
 
-/// Adds sum over a of dN_I/dx_a flux[a] to every node; derivatives in units of 1/cell.
+/// Adds N_I value + sum over a of dN_I/dx_a flux[a] to every node; derivatives in units of 1/cell.
 template <int Dim, class Shape>
-void scatter_gradient(const ParticleWeights<Dim, Shape>& w, const NodeValue (&flux)[Dim], NodeValue* nodes) {
+void scatter_gradient(const ParticleWeights<Dim, Shape>& w, const NodeValue (&flux)[Dim], NodeValue value,
+                      NodeValue* nodes) {
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
   nodes += w.first();
   NodeValue N_x[n], dN_x[n], N_y[n], dN_y[n];
@@ -121,17 +122,17 @@ void scatter_gradient(const ParticleWeights<Dim, Shape>& w, const NodeValue (&fl
     dN_y[i] = w.dN(1, i);
   }
   for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-    NodeValue plane_x = flux[0], plane_y = flux[1], plane_z = zero_node();
+    NodeValue plane_x = flux[0], plane_y = flux[1], plane = value;
     if constexpr (Dim == 3) {
       const NodeValue N = w.N(2, k);
       plane_x *= N;
       plane_y *= N;
-      plane_z = w.dN(2, k) * flux[2];
+      plane = multiply_add(w.dN(2, k), flux[2], N * value);
     }
     for (int j = 0; j < n; ++j) {
       NodeValue* at = nodes + edge * (j + edge * k);
       const NodeValue row_x = N_y[j] * plane_x;
-      const NodeValue row = multiply_add(dN_y[j], plane_y, N_y[j] * plane_z);
+      const NodeValue row = multiply_add(dN_y[j], plane_y, N_y[j] * plane);
       for (int i = 0; i < n; ++i) at[i] = multiply_add(dN_x[i], row_x, multiply_add(N_x[i], row, at[i]));
     }
   }

@@ -53,7 +53,7 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
 /// none.
 struct PackSums {
   Pack elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
-  Pack wave_speed2 = 0.0, viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
+  Pack viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
 
   void add_to(TileSums& sums) const {
     sums.elastic += sum_of(elastic);
@@ -61,7 +61,6 @@ struct PackSums {
     sums.internal_work += sum_of(internal_work);
     sums.plastic_work += sum_of(plastic_work);
     sums.collisional_work += sum_of(collisional_work);
-    sums.wave_speed2 = std::max(sums.wave_speed2, largest_of(wave_speed2));
     sums.viscosity = std::max(sums.viscosity, largest_of(viscosity));
     sums.n_separated += int(sum_of(n_separated));
     sums.n_unconverged += int(sum_of(n_unconverged));
@@ -121,9 +120,8 @@ template <class Law, int Dim>
     total.internal_work += Pack(0.5 * how.dt) * double_dot(old_flux + flux, rate);
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
-    const Pack specific = volume / mass;
-    total.wave_speed2 = max(total.wave_speed2, specific * response.stiffness);
-    total.viscosity = max(total.viscosity, specific * response.viscosity);
+    store(&s.stiffness[i], volume * response.stiffness);
+    total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == Pack(double(outcome))) & (volume > zero), Pack(1.0), zero);
     };

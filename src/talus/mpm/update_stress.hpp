@@ -20,7 +20,7 @@ struct TileSums {
   double new_kinetic = 0;       ///< of the nodes after the step [J]
   Vec<3> momentum{};            ///< of the particles [kg m/s]
   double mass = 0;              ///< [kg]
-  double wave_speed2 = 0;       ///< largest squared speed of compression waves [m2/s2]
+  double wave_speed2 = 0;       ///< largest squared speed of compression waves at a node [m2/s2]
   double viscosity = 0;         ///< largest kinematic viscosity [m2/s]
   double particle_speed2 = 0;   ///< largest squared speed of a particle [m2/s2]
   double node_speed2 = 0;       ///< largest squared speed of a node after the step [m2/s2]
@@ -57,6 +57,7 @@ inline void TileSums::add(const TileSums& o) {
 struct Scratch {
   std::vector<double> gradient[3][3];             ///< velocity gradient L [1/s]
   std::vector<double> flux[6];                    ///< volume times stress [J], tension-positive
+  std::vector<double> stiffness;                  ///< volume times modulus of compression waves [J]
   std::vector<double> x, volume;                  ///< elastic compression and volume of the particles
   std::vector<double> mean_x, mean_p, mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
   std::vector<int> cell;                          ///< of the particle, in its tile
@@ -68,7 +69,7 @@ struct Scratch {
       for (auto& c : row) c.assign(n, 0.0);
     for (auto& c : flux) c.resize(n);
     cell.resize(n);
-    for (auto* c : {&x, &volume, &mean_x, &mean_p, &mean_rate}) c->resize(n);
+    for (auto* c : {&stiffness, &x, &volume, &mean_x, &mean_p, &mean_rate}) c->resize(n);
   }
 };
 
