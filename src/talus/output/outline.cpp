@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <unordered_set>
 
 namespace talus {
 
@@ -13,18 +13,26 @@ struct Reach {
   double centre, half;
 };
 
-/// The range [low, high] of what is connected to the median, in strips of a given width.
-std::pair<double, double> connected_range(std::vector<Reach> particles, double strip) {
+/// The range [low, high] of what is connected to the median: reached from it through strips of a given width that all
+/// hold particles. Particles of a broken run that are nowhere do not count.
+std::pair<double, double> connected_range(std::vector<Reach> particles, double width) {
+  std::erase_if(particles, [&](const Reach& p) { return !(std::abs(p.centre) < 1e9 * width); });
   if (particles.empty()) return {0, 0};
-  std::sort(particles.begin(), particles.end(), [](const Reach& a, const Reach& b) { return a.centre < b.centre; });
-  const auto strip_of = [&](std::size_t i) { return std::floor(particles[i].centre / strip); };
-  std::size_t low = particles.size() / 2, high = low;
-  while (low > 0 && strip_of(low) - strip_of(low - 1) <= 1) --low;
-  while (high + 1 < particles.size() && strip_of(high + 1) - strip_of(high) <= 1) ++high;
-  double least = particles[low].centre, most = particles[high].centre;
-  for (std::size_t i = low; i <= high; ++i) {
-    least = std::min(least, particles[i].centre - particles[i].half);
-    most = std::max(most, particles[i].centre + particles[i].half);
+  const auto strip_of = [&](const Reach& p) { return std::floor(p.centre / width); };
+  const auto median = particles.begin() + particles.size() / 2;
+  std::nth_element(particles.begin(), median, particles.end(),
+                   [](const Reach& a, const Reach& b) { return a.centre < b.centre; });
+  std::unordered_set<double> strips;
+  for (const Reach& p : particles) strips.insert(strip_of(p));
+
+  double low = strip_of(*median), high = low;
+  while (strips.contains(low - 1)) --low;
+  while (strips.contains(high + 1)) ++high;
+  double least = median->centre, most = least;
+  for (const Reach& p : particles) {
+    if (strip_of(p) < low || strip_of(p) > high) continue;
+    least = std::min(least, p.centre - p.half);
+    most = std::max(most, p.centre + p.half);
   }
   return {least, most};
 }
