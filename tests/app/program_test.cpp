@@ -10,6 +10,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "folder_of_its_own.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,20 +35,13 @@ std::string contents(const fs::path& file) {
   return text.str();
 }
 
-class Program : public testing::Test {
+class Program : public talus::FolderOfItsOwn {
  protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("talus_" + std::to_string(::getpid()) + "_" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
   std::string in(const std::string& name) const { return (folder_ / name).string(); }
   std::string write(const std::string& name, const std::string& text) const {
     std::ofstream(folder_ / name) << text;
     return in(name);
   }
-  fs::path folder_;
 };
 const std::string cases = TALUS_SOURCE_DIR "/cases/";
 

@@ -7,22 +7,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "folder_of_its_own.hpp"
+
 namespace talus {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own for a test, gone afterwards.
-class Snapshots : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = fs::temp_directory_path() / ("talus_" + std::to_string(::getpid()) + "_" +
-                                           testing::UnitTest::GetInstance()->current_test_info()->name());
-    fs::create_directories(folder_);
-  }
-  void TearDown() override { fs::remove_all(folder_); }
-  fs::path folder_;
-};
+class Snapshots : public FolderOfItsOwn {};
 
 Observation two_particles() {
   return {0.25,
