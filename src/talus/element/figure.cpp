@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
@@ -85,39 +84,20 @@ class Measures {
   }
 
  private:
-  using OneCurve = double (*)(const Points&);
-  using WithOne = double (*)(const Points&, double);
-  using WithTwo = double (*)(const Points&, double, double);
-
-  /// What muParser hands back to find out which function of which reading was meant.
-  struct Binding {
-    Measures* self;
-    void* measure;
-  };
-
-  void define(const char* name, OneCurve f) {
+  /// Tells muParser of a function of a curve and of as many numbers as `measure`, a lambda without captures, takes.
+  template <class Measure>
+  void define(const char* name, Measure measure) {
+    define(name, measure, +measure);
+  }
+  template <class Measure, class... X>
+  void define(const char* name, Measure, double (*)(const Points&, X...)) {
     parser_.DefineFunUserData(
-        name, +[](void* b, const char* c) { return call<OneCurve>(b, c); }, bind(reinterpret_cast<void*>(f)), false);
-  }
-  void define(const char* name, WithOne f) {
-    parser_.DefineFunUserData(
-        name, +[](void* b, const char* c, double x) { return call<WithOne>(b, c, x); },
-        bind(reinterpret_cast<void*>(f)), false);
-  }
-  void define(const char* name, WithTwo f) {
-    parser_.DefineFunUserData(
-        name, +[](void* b, const char* c, double x, double y) { return call<WithTwo>(b, c, x, y); },
-        bind(reinterpret_cast<void*>(f)), false);
-  }
-  void* bind(void* measure) {
-    bindings_.push_back(std::make_unique<Binding>(Binding{this, measure}));
-    return bindings_.back().get();
-  }
-  template <class F, class... X>
-  static double call(void* binding, const char* curve, X... x) {
-    const Binding& b = *static_cast<Binding*>(binding);
-    const Points points = b.self->points(curve);
-    return points.y.empty() ? none : reinterpret_cast<F>(b.measure)(points, x...);
+        name,
+        +[](void* self, const char* curve, X... x) {
+          const Points points = static_cast<Measures*>(self)->points(curve);
+          return points.y.empty() ? none : Measure()(points, x...);
+        },
+        static_cast<void*>(this), false);
   }
 
   /// "CURVE: FORMULA" along the abscissa; empty, and noted, where this reading has no such curve.
@@ -154,7 +134,6 @@ class Measures {
   const std::vector<std::optional<ElementResult>>& runs_;
   const std::vector<std::vector<DrawnCurve>>& panels_;
   mu::Parser parser_;
-  std::vector<std::unique_ptr<Binding>> bindings_;
   bool missing_ = false;
 };
 
