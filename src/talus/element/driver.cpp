@@ -184,7 +184,6 @@ class Driver {
   // ---- stepping --------------------------------------------------------------------------------------------------
 
   void run_segment(const Segment& segment, double start) {
-    start_strain_ = now_.strain;
     start_values_ = Vector6::Zero();
     const Vector6 s = stress(now_);
     for (int r = 0; r < 6; ++r)
@@ -417,7 +416,7 @@ class Driver {
   const ElementTest& test_;
   const Law& law_;
   Now now_;
-  Vector6 start_strain_, start_values_;
+  Vector6 start_values_;
   Matrix6 jacobian_;
   bool jacobian_known_ = false;
   double largest_stress_ = 0;
