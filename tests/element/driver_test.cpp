@@ -127,6 +127,17 @@ TEST(Driver, RowsCanFollowALogarithmicAxis) {
   for (int row = 1; row <= 4; ++row) EXPECT_NEAR(r.rows[row][r.column("time")], std::pow(10, row - 4), 1e-12);
 }
 
+TEST(Driver, ALogarithmicAxisOfTimeDoesNotGoWithTurningPoints) {
+  try {
+    run("[[segment]]\ntest = \"simple_shear\"\ndrainage = \"undrained\"\nreversals = [0.01, -0.01]\n"
+        "first_row = \"1 ms\"\n");
+    ADD_FAILURE() << "nothing was said";
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("first_row = \"1 ms\" and `reversals` exclude each other"), std::string::npos)
+        << e.what();
+  }
+}
+
 TEST(Driver, CollisionalStressAtTheStartStaysAsLongAsNothingIsAccelerated) {
   const std::string grains =
       "law = \"mu_i\"\nI_0 = 0.28\nrho_s = \"1090 kg/m3\"\nd = \"1 mm\"\nmu_s = 0.4245\nmu_d = 0.5718\nPhi_c = 0.62\n"

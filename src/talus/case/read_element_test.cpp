@@ -50,8 +50,8 @@ Control stress_to(int i, double target) {
   return c;
 }
 
-/// xx = { strain = 0.2 }, { strain_rate = "...", strain_acceleration = "..." }, { stress = "100 kPa" }, { stress =
-/// "held" }, { stress_rate = "1 kPa/s" }
+/// xx = { strain = 0.2 } or { strain_rate = "...", strain_acceleration = "..." } or { stress = "100 kPa" }
+///      or { stress = "held" } or { stress_rate = "1 kPa/s" }
 Control read_control(Section& s, int i, double duration) {
   const Parameter stress{"stress", "Pa", {}, "stress to go to, compression-positive, or \"held\""};
   const Parameter stress_rate{"stress_rate", "Pa/s", {}, "growth of the stress, compression-positive"};
@@ -241,6 +241,7 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
     segment.controls = test.controls({(change ? s.number(of_change) : 0.0) / segment.duration, 0});
     return {segment};
   }
+  if (segment.first_row > 0) s.complain("first_row", "and `reversals` exclude each other: every way would start anew");
   const std::vector<double> turns =
       s.numbers({"reversals",
                  "1",
