@@ -62,7 +62,7 @@ double least_curvature(double friction_degrees) {
 
 TEST(Friction, ShengsSurfaceIsConvexUpTo46Degrees) {
   // With k = (1 - c^4)/(1 + c^4) it is convex where 27 k^2/16 + 1/28 <= 1, that is up to 46.5 degrees; in simple shear
-  // alone (S = 0) up to 48.6. The cut at 48 degrees leaves a dent of 3 % in curvature that no path has been seen to
+  // alone (S = 0) up to 48.5. The cut at 48 degrees leaves a dent of 3 % in curvature that no path has been seen to
   // feel.
   EXPECT_GT(least_curvature(46.3), 0);
   EXPECT_LT(least_curvature(46.8), 0);
