@@ -16,7 +16,7 @@ using State = DruckerPrager::State<double>;
 constexpr double degree = std::numbers::pi / 180;
 
 DruckerPrager cone(double c, double phi, double psi, ConeMatch match = ConeMatch::compression) {
-  DruckerPrager m{1e7, 0.3, c, phi * degree, psi * degree, match, 0, 0, 0};
+  DruckerPrager m{1e7, 0.3, c, phi * degree, psi * degree, 0, match, 0, 0};
   m.prepare();
   return m;
 }
@@ -224,38 +224,6 @@ TEST(DruckerPrager, ShearDoesNotCloseAnOpening) {
   EXPECT_EQ(Outcome(r.outcome), Outcome::separated);
   EXPECT_EQ(pressure(s.stress), 0);
   EXPECT_NEAR(s.compression, -3e-5, 1e-18);
-}
-
-// ---- energy ------------------------------------------------------------------------------------------------------
-
-/// Work of the stress [J/m3] on the way through shear, expansion beyond the apex and closing, and the part of it that
-/// is neither stored nor told as plastic work.
-struct Balance {
-  double work, missing;
-};
-Balance balance(const DruckerPrager& law, int n) {
-  State s = isotropic_state(law, 2e4, 0);
-  Balance b{0, law.elastic_energy(s)};
-  for (const T& way : {T{0, 0, 0, 0.01, 0, 0}, T{0.01, 0.005, 0.005, 0.01, 0, 0}, T{-0.01, -0.005, -0.01, 0, 0.01, 0}})
-    for (int i = 0; i < n; ++i) {
-      const T strain = (1.0 / n) * way, before = s.stress;
-      const auto r = law.update(s, strain_by(strain), implicit);
-      const double work = 0.5 * double_dot(before + s.stress, strain);
-      b.work += std::abs(work);
-      b.missing += work - r.plastic_work;
-    }
-  b.missing -= law.elastic_energy(s);
-  return b;
-}
-
-TEST(DruckerPrager, WorkOfTheStressIsStoredOrPlasticWork) {
-  for (double c : {0.0, 5e3})
-    for (double psi : {0.0, 10.0}) {
-      const DruckerPrager law = cone(c, 30, psi);
-      const Balance coarse = balance(law, 500), fine = balance(law, 4000);
-      EXPECT_LT(std::abs(coarse.missing), 0.01 * coarse.work);
-      EXPECT_LT(std::abs(fine.missing), 0.00125 * fine.work);  // first order in the step
-    }
 }
 
 // ---- any step from any state -------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ using T = SymTensor<double>;
 constexpr double degree = std::numbers::pi / 180;
 
 MohrCoulomb soil(double c, double phi, double psi) {
-  MohrCoulomb m{1e7, 0.3, c, phi * degree, psi * degree, LodeRule::mohr_coulomb, 0, 0};
+  MohrCoulomb m{1e7, 0.3, c, phi * degree, psi * degree, 0, LodeRule::mohr_coulomb, 0, 0};
   m.prepare();
   return m;
 }

@@ -1,0 +1,158 @@
+#pragma once
+/// What laws of linear elasticity, cohesion and a friction angle share, whatever the shape of their cone. No law itself.
+///
+///   f = q - M (p + c cot phi) <= 0        g = q - M_psi p
+///
+/// A law says its slopes M and M_psi, which may depend on the Lode angle, and `flow` does the rest: a return that is
+/// implicit, radial (it keeps the Lode angle) and closed-form. Where the cone has no point to return to, the stress
+/// goes to the apex and what opens is remembered, at constant tension if there is cohesion: compression closes it
+/// before it presses. Open, the material does not dilate.
+
+#include <cmath>
+#include <numbers>
+
+#include "talus/law/law.hpp"
+#include "talus/mechanics/elasticity.hpp"
+
+namespace talus {
+
+struct CohesiveFriction : Elasticity {
+  double c;    ///< cohesion [Pa]
+  double phi;  ///< friction angle [rad]
+  double psi;  ///< dilatancy angle [rad]
+
+  double apex;  ///< follows from the above: p = -c cot phi at the apex [Pa]
+
+  TALUS_HD void prepare() { apex = -c / std::tan(phi); }
+
+  template <class R>
+  struct State {
+    SymTensor<R> stress;
+    R compression;   ///< elastic volumetric compression p/K, less the opening
+    R kappa;         ///< accumulated plastic deviatoric strain
+    R volume_ratio;  ///< volume over the volume at the start
+  };
+
+  /// The elastic compression at the apex. Below it the material has opened, by the difference.
+  TALUS_HD double closed() const { return apex / bulk_modulus(); }
+
+  /// s where a strain leads without flow.
+  template <Number R>
+  TALUS_HD SymTensor<R> trial_deviator(const State<R>& state, const SymTensor<R>& strain) const {
+    return deviator(state.stress) + R(2 * shear_modulus()) * deviator(strain);
+  }
+
+  /// Moves a state through a strain. The slopes are of type R, or double where they are the same for all points.
+  template <Number R, class Slope>
+  TALUS_HD Response<R> flow(State<R>& state, const SymTensor<R>& strain, const SymTensor<R>& s_trial, Slope M,
+                            Slope M_psi) const {
+    const R zero = R(0.0);
+    const double K = bulk_modulus(), G = shear_modulus();
+    const R w = state.compression + volumetric_compression(strain);
+    const R p_trial = R(K) * w, q_trial = von_mises(s_trial);
+
+    // Flow until no shear stress is left dilates by M_psi q_trial/(3 G). If that leaves a pressure above the apex's, f
+    // becomes zero on the way there: on the cone. An opening that the step does not close leaves nothing to dilate.
+    const mask_t<R> touches = (state.compression >= R(closed())) | (w > R(closed()));
+    const mask_t<R> carries = touches & (p_trial + R(Slope(K) * M_psi / Slope(3 * G)) * q_trial > R(apex));
+    const R f = q_trial - R(M) * (p_trial - R(apex));
+    const R on_cone = max(f, zero) * R(Slope(1.0) / (Slope(3 * G) + Slope(K) * M * M_psi));
+    const R dkappa = select(carries, on_cone, q_trial * R(1 / (3 * G)));
+    const R q = select(carries, max(q_trial - R(3 * G) * dkappa, zero), zero);
+    const R w_end = select(carries, w + R(M_psi) * dkappa, w);
+    const R p = select(carries, max(R(K) * w_end, R(apex)), R(apex));
+
+    const R closing = min(w_end, R(closed())) - min(state.compression, R(closed()));
+    state.stress = stress_from(q / max(q_trial, R(1e-300)) * s_trial, p);
+    state.compression = w_end;
+    state.kappa = state.kappa + dkappa;
+    state.volume_ratio = state.volume_ratio * exp(trace(strain));
+    const R work = select(carries, (q - p * R(M_psi)) * dkappa, zero) + R(apex) * closing;
+    return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, zero};
+  }
+
+  template <class R>
+  TALUS_HD static SymTensor<R> total_stress(const State<R>& state) {
+    return state.stress;
+  }
+  template <Number R>
+  TALUS_HD R elastic_energy(const State<R>& state) const {
+    return energy_density(state.stress);
+  }
+  template <class R>
+  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+    state.stress = rotate(Q, state.stress);
+  }
+  template <class R>
+  TALUS_HD R specific_volume(const State<R>& state) const {
+    return state.volume_ratio;
+  }
+
+  /// The signed elastic compression that the solver averages over a cell; the distance to the apex scales the deviator.
+  template <class R>
+  TALUS_HD static R compression(const State<R>& state) {
+    return state.compression;
+  }
+  template <Number R>
+  TALUS_HD R pressure_at(R w) const {
+    return max(R(bulk_modulus()) * w, R(apex));
+  }
+  template <Number R>
+  TALUS_HD void impose_compression(State<R>& state, R w, R p) const {
+    const R old = pressure(state.stress) - R(apex);
+    const R scale = select(old > R(0.0), (p - R(apex)) / max(old, R(1e-300)), R(0.0));
+    state.stress = stress_from(scale * deviator(state.stress), p);
+    state.compression = w;
+  }
+
+  /// The state under a stress at whose Lode angle the strength has the slope M.
+  StateOrReason<State<double>> state_within(double M, const InitialState& initial) const {
+    const double p = pressure(initial.stress), q = von_mises(deviator(initial.stress));
+    if (p < apex)
+      return "the mean tension of " + std::to_string(-p) +
+             " Pa exceeds the tensile strength c cot phi = " + std::to_string(-apex) + " Pa";
+    const double strength = M * (p - apex);
+    if (q > strength * (1 + 1e-9))
+      return "the shear stress q = " + std::to_string(q) + " Pa exceeds the strength of " + std::to_string(strength) +
+             " Pa";
+    return State<double>{initial.stress, p / bulk_modulus(), initial.kappa.value_or(0.0), 1};
+  }
+
+  /// What the ranges of single parameters cannot say.
+  std::optional<Fault> fault() const {
+    if (psi > phi) return Fault{"psi", "must not exceed phi: such a material would create energy"};
+    return std::nullopt;
+  }
+};
+
+/// The parameters of such a law.
+template <class Law>
+std::span<const ParameterOf<Law>> cohesive_friction_parameters() {
+  constexpr double degree = std::numbers::pi / 180;
+  static const ParameterOf<Law> table[] = {
+      youngs_modulus<Law>(),
+      poissons_ratio<Law>(),
+      {{"c", "Pa", Range::not_negative(), "cohesion"}, [](Law& l) -> double& { return l.c; }},
+      {{"phi", "rad", {0, 60 * degree, true, false}, "friction angle"}, [](Law& l) -> double& { return l.phi; }},
+      {{"psi", "rad", {0, 60 * degree}, "dilatancy angle"}, [](Law& l) -> double& { return l.psi; }},
+  };
+  return table;
+}
+
+/// What can be read off its state.
+template <class Law>
+std::span<const QuantityOf<Law>> cohesive_friction_quantities() {
+  using S = CohesiveFriction::State<double>;
+  using D = SymTensor<double>;
+  static const QuantityOf<Law> table[] = {
+      {{"kappa", "1", 1, "equivalent (accumulated deviatoric) plastic strain"},
+       [](const Law&, const S& s, const D&, double* v) { *v = s.kappa; }},
+      {{"volume_ratio", "1", 1, "volume over the volume at the start"},
+       [](const Law&, const S& s, const D&, double* v) { *v = s.volume_ratio; }},
+      {{"separated", "1", 1, "1 where the material has opened"},
+       [](const Law& l, const S& s, const D&, double* v) { *v = s.compression < l.closed(); }},
+  };
+  return table;
+}
+
+}  // namespace talus

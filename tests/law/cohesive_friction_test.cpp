@@ -1,0 +1,191 @@
+/// What the laws of cohesion and friction share: the apex, what opens beyond it, and the ledger of energy.
+
+#include "talus/law/cohesive_friction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "law/parameter_sets.hpp"
+#include "talus/law/drucker_prager.hpp"
+#include "talus/law/mohr_coulomb.hpp"
+
+namespace talus {
+namespace {
+
+using T = SymTensor<double>;
+using State = CohesiveFriction::State<double>;
+constexpr double degree = std::numbers::pi / 180;
+
+DruckerPrager cone(double c, double phi, double psi) {
+  DruckerPrager m{1e7, 0.3, c, phi * degree, psi * degree, 0, ConeMatch::compression, 0, 0};
+  m.prepare();
+  return m;
+}
+MohrCoulomb soil(double c, double phi, double psi, LodeRule lode = LodeRule::mohr_coulomb) {
+  MohrCoulomb m{1e7, 0.3, c, phi * degree, psi * degree, 0, lode, 0, 0};
+  m.prepare();
+  return m;
+}
+
+// ---- energy ------------------------------------------------------------------------------------------------------
+
+/// Opening under constant tension c cot phi takes its work from outside, and closing gives it back.
+template <class Law>
+void expect_tension_to_be_in_the_ledger(const Law& law) {
+  const double tension = 5e3 / std::tan(30 * degree);
+  State s = isotropic_state(law, 1e3, 0);
+  // From p = 1 kPa to the apex is elastic, (1 kPa + tension)/K; the rest of 0.01 opens.
+  const double opening = 0.01 - (1e3 + tension) / law.bulk_modulus();
+  const auto opened = law.update(s, strain_by(T::isotropic(0.01 / 3)), implicit);
+  EXPECT_EQ(Outcome(opened.outcome), Outcome::separated);
+  EXPECT_NEAR(opened.plastic_work, tension * opening, 1e-9 * tension);
+  EXPECT_NEAR(law.elastic_energy(s), tension * tension / (2 * law.bulk_modulus()), 1e-9);
+  const auto half = law.update(s, strain_by(T::isotropic(-0.5 * opening / 3)), implicit);
+  EXPECT_NEAR(half.plastic_work, -0.5 * tension * opening, 1e-9 * tension);
+  const auto closed = law.update(s, strain_by(T::isotropic((0.5 * opening - 0.01) / 3)), implicit);
+  EXPECT_NEAR(opened.plastic_work + half.plastic_work + closed.plastic_work, 0, 1e-9 * tension);
+}
+
+TEST(CohesiveFriction, OpeningAgainstTensionIsPlasticWorkAndClosingGivesItBack) {
+  expect_tension_to_be_in_the_ledger(cone(5e3, 30, 10));
+  for (LodeRule lode : {LodeRule::mohr_coulomb, LodeRule::sheng, LodeRule::none})
+    expect_tension_to_be_in_the_ledger(soil(5e3, 30, 10, lode));
+}
+
+/// Work of the stress [J/m3] on the way through shear, expansion beyond the apex and closing, and the part of it that
+/// is neither stored nor told as plastic work.
+struct Balance {
+  double work, missing;
+};
+template <class Law>
+Balance balance(const Law& law, int n) {
+  State s = isotropic_state(law, 2e4, 0);
+  Balance b{0, law.elastic_energy(s)};
+  for (const T& way : {T{0, 0, 0, 0.01, 0, 0}, T{0.01, 0.005, 0.005, 0.01, 0, 0}, T{-0.01, -0.005, -0.01, 0, 0.01, 0}})
+    for (int i = 0; i < n; ++i) {
+      const T strain = (1.0 / n) * way, before = s.stress;
+      const auto r = law.update(s, strain_by(strain), implicit);
+      const double work = 0.5 * double_dot(before + s.stress, strain);
+      b.work += std::abs(work);
+      b.missing += work - r.plastic_work;
+    }
+  b.missing -= law.elastic_energy(s);
+  return b;
+}
+template <class Law>
+void expect_work_to_be_stored_or_plastic(const Law& law) {
+  const Balance coarse = balance(law, 500), fine = balance(law, 4000);
+  EXPECT_LT(std::abs(coarse.missing), 0.01 * coarse.work);
+  EXPECT_LT(std::abs(fine.missing), 0.00125 * fine.work);  // first order in the step
+}
+
+TEST(CohesiveFriction, WorkOfTheStressIsStoredOrPlasticWork) {
+  for (double c : {0.0, 5e3})
+    for (double psi : {0.0, 10.0}) {
+      expect_work_to_be_stored_or_plastic(cone(c, 30, psi));
+      for (LodeRule lode : {LodeRule::mohr_coulomb, LodeRule::none})
+        expect_work_to_be_stored_or_plastic(soil(c, 30, psi, lode));
+    }
+}
+
+// ---- the laws beside each other ----------------------------------------------------------------------------------
+
+TEST(CohesiveFriction, InTriaxialCompressionConeAndPyramidAreOne) {
+  // Shear to failure, opening beyond the apex, closing: lateral strains grow more than the axial one all the way, so
+  // the stress stays in triaxial compression, where the hexagon too has the slope of the cone.
+  const T ways[] = {{-1e-3, 5e-4, 5e-4, 0, 0, 0}, {1e-4, 3e-4, 3e-4, 0, 0, 0}, {-5e-4, -3e-4, -3e-4, 0, 0, 0}};
+  for (LodeRule lode : {LodeRule::none, LodeRule::mohr_coulomb}) {
+    const DruckerPrager a = cone(5e3, 30, 10);
+    const MohrCoulomb b = soil(5e3, 30, 10, lode);
+    State in_a = isotropic_state(a, 2e4, 0), in_b = isotropic_state(b, 2e4, 0);
+    int visited[5] = {};
+    for (const T& way : ways)
+      for (int i = 0; i < 100; ++i) {
+        const auto from_a = a.update(in_a, strain_by(way), implicit);
+        const auto from_b = b.update(in_b, strain_by(way), implicit);
+        ++visited[int(from_a.outcome)];
+        ASSERT_EQ(from_a.outcome, from_b.outcome) << i;
+        // roundings only: stresses are some 1e5 Pa, their work some 1e2 J/m3 a step
+        for (int k = 0; k < 6; ++k) ASSERT_NEAR(in_a.stress[k], in_b.stress[k], 1e-4) << i;
+        ASSERT_NEAR(in_a.compression, in_b.compression, 1e-11);
+        ASSERT_NEAR(in_a.kappa, in_b.kappa, 1e-11);
+        ASSERT_NEAR(from_a.plastic_work, from_b.plastic_work, 1e-6);
+      }
+    EXPECT_GT(visited[int(Outcome::plastic)], 50);
+    EXPECT_GT(visited[int(Outcome::separated)], 20);
+  }
+}
+
+TEST(CohesiveFriction, AtTheApexOfThePyramidExpansionOpensOnlyBeyondWhatShearDilates) {
+  // eps_d = 2/sqrt 3 eps_xy makes room for a dilatancy of M_psi eps_d, with M_psi in simple shear, S = 0.
+  const MohrCoulomb law = soil(0, 30, 10);
+  const double M = std::sqrt(3) * std::sin(30 * degree), M_psi = std::sqrt(3) * std::sin(10 * degree);
+  const double dilates = M_psi * 2 / std::sqrt(3) * 1e-3;
+  const auto sheared = [&](double expansion) {
+    State s = isotropic_state(law, 0, 0);
+    T strain = T::isotropic(expansion / 3);
+    strain.xy = 1e-3;
+    law.update(s, strain_by(strain), implicit);
+    return s;
+  };
+  const State less = sheared(0.99 * dilates), more = sheared(1.01 * dilates);
+  // On the cone p = K (M_psi d kappa - expansion) and q = 3 G (eps_d - d kappa) = M p; eliminating d kappa,
+  // p (1/K + M M_psi/(3 G)) = dilates - expansion
+  const double p = 0.01 * dilates / (1 / law.bulk_modulus() + M * M_psi / (3 * law.shear_modulus()));
+  EXPECT_NEAR(pressure(less.stress), p, 1e-9 * p);
+  EXPECT_NEAR(von_mises(deviator(less.stress)), M * p, 1e-9 * p);
+  EXPECT_EQ(pressure(more.stress), 0);
+  EXPECT_NEAR(more.compression, -1.01 * dilates, 1e-18);
+}
+
+TEST(CohesiveFriction, MeanTensionBeyondCohesionTimesCotangentIsNoStateOfRest) {
+  // c cot phi = 5e3 sqrt 3 = 8660 Pa
+  const MohrCoulomb law = soil(5e3, 30, 0);
+  EXPECT_TRUE(std::holds_alternative<std::string>(law.at_rest({T::isotropic(8.7e3), 0, {}})));
+  EXPECT_TRUE(std::holds_alternative<State>(law.at_rest({T::isotropic(8.6e3), 0, {}})));
+}
+
+// ---- any step from any state -------------------------------------------------------------------------------------
+
+TEST(CohesiveFriction, APackOnThePyramidGivesTheBitsOfSinglePoints) {
+  std::mt19937_64 generator(1);
+  const auto uniform = [&](double a, double b) { return a + (b - a) * double(generator() >> 11) * 0x1p-53; };
+  int visited[5] = {};
+  for (double c : {0.0, 5e3})
+    for (LodeRule lode : {LodeRule::mohr_coulomb, LodeRule::sheng, LodeRule::none}) {
+      const MohrCoulomb law = soil(c, 35, 10, lode);
+      State one[pack_width];
+      MohrCoulomb::State<Pack> all;
+      for (int lane = 0; lane < pack_width; ++lane)
+        set_lane(all, lane, one[lane] = isotropic_state(law, 1e2 * lane * lane, 0));
+      for (int i = 0; i < 500; ++i) {
+        Motion<Pack> motion;
+        motion.dt = 1;
+        motion.strain_rate = SymTensor<Pack>::zero();
+        T strains[pack_width];
+        for (int lane = 0; lane < pack_width; ++lane) {
+          const double size = std::pow(10.0, uniform(-6, -1));
+          for (int k = 0; k < 6; ++k) strains[lane][k] = size * uniform(-1, 1);
+          set_lane(motion.strain, lane, strains[lane]);
+        }
+        const Response<Pack> together = law.update(all, motion, implicit);
+        for (int lane = 0; lane < pack_width; ++lane) {
+          const Response<double> alone = law.update(one[lane], strain_by(strains[lane]), implicit);
+          const State s = lane_of<State>(all, lane);
+          ++visited[int(alone.outcome)];
+          for (int k = 0; k < 6; ++k) ASSERT_EQ(s.stress[k], one[lane].stress[k]) << i;
+          ASSERT_EQ(s.compression, one[lane].compression);
+          ASSERT_EQ(s.kappa, one[lane].kappa);
+          ASSERT_EQ(together.outcome[lane], alone.outcome);
+          ASSERT_EQ(together.plastic_work[lane], alone.plastic_work);
+        }
+      }
+    }
+  for (Outcome o : {Outcome::elastic, Outcome::plastic, Outcome::separated}) EXPECT_GT(visited[int(o)], 500);
+}
+
+}  // namespace
+}  // namespace talus
