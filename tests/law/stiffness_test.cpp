@@ -10,13 +10,20 @@ namespace {
 
 /// A law of each kind that has an elastic stiffness, prepared.
 std::vector<AnyLaw> elastic_laws() {
-  MohrCoulomb pyramid{.E = 1e7, .nu = 0.3, .c = 1e3, .phi = 0.5, .psi = 0.1, .tan_phi = 0, .tan_psi = 0};
-  DruckerPrager cone{.E = 1e7, .nu = 0.3, .c = 1e3, .phi = 0.5, .psi = 0.1, .M = 0, .M_psi = 0, .apex = 0};
+  MohrCoulomb pyramid{};
+  DruckerPrager cone{};
+  for (CohesiveFriction* law : {static_cast<CohesiveFriction*>(&pyramid), static_cast<CohesiveFriction*>(&cone)}) {
+    law->E = 1e7;
+    law->nu = 0.3;
+    law->c = 1e3;
+    law->phi = 0.5;
+    law->psi = 0.1;
+  }
   pyramid.prepare();
   cone.prepare();
   GranularWithHistory history{case_1_sand(), case_1_grains()};
   history.collisional.form = CollisionalForm::rate;
-  return {LinearElastic{1e7, 0.3}, pyramid, cone, case_1_sand(), case_1(), history};
+  return {LinearElastic{{1e7, 0.3}}, pyramid, cone, case_1_sand(), case_1(), history};
 }
 
 TEST(Stiffness, ScaledItScalesTheWaveModulusAndTheEnergyOfAGivenStressInversely) {
