@@ -270,28 +270,31 @@ TEST(DruckerPrager, APackGivesTheBitsOfSinglePoints) {
   RandomWalk walk;
   for (double c : {0.0, 5e3}) {
     const DruckerPrager law = cone(c, 35, 10, ConeMatch::plane_strain);
-    State one[4] = {isotropic_state(law, 400, 0), isotropic_state(law, 0, 0), isotropic_state(law, 1e5, 0),
-                    isotropic_state(law, 1, 0)};
-    DruckerPrager::State<Pack> four;
-    for (int lane = 0; lane < 4; ++lane) set_lane(four, lane, one[lane]);
+    State one[pack_width];
+    DruckerPrager::State<Pack> many;
+    for (int lane = 0; lane < pack_width; ++lane) {
+      const double pressures[] = {400, 0, 1e5, 1, 30};
+      one[lane] = isotropic_state(law, pressures[lane % 5], 0);
+      set_lane(many, lane, one[lane]);
+    }
     for (int i = 0; i < 2000; ++i) {
       Motion<Pack> motion;
       motion.dt = 1;
       motion.strain_rate = SymTensor<Pack>::zero();
-      T strains[4];
-      for (int lane = 0; lane < 4; ++lane) set_lane(motion.strain, lane, strains[lane] = walk.strain());
-      const Response<Pack> r4 = law.update(four, motion, implicit);
-      const Pack energy = law.elastic_energy(four);
-      for (int lane = 0; lane < 4; ++lane) {
+      T strains[pack_width];
+      for (int lane = 0; lane < pack_width; ++lane) set_lane(motion.strain, lane, strains[lane] = walk.strain());
+      const Response<Pack> all = law.update(many, motion, implicit);
+      const Pack energy = law.elastic_energy(many);
+      for (int lane = 0; lane < pack_width; ++lane) {
         const Response<double> r1 = law.update(one[lane], strain_by(strains[lane]), implicit);
-        const State s = lane_of<State>(four, lane);
+        const State s = lane_of<State>(many, lane);
         for (int k = 0; k < 6; ++k) ASSERT_EQ(s.stress[k], one[lane].stress[k]) << i;
         ASSERT_EQ(s.compression, one[lane].compression);
         ASSERT_EQ(s.kappa, one[lane].kappa);
         ASSERT_EQ(s.volume_ratio, one[lane].volume_ratio);
         ASSERT_EQ(energy[lane], law.elastic_energy(one[lane]));
-        ASSERT_EQ(r4.outcome[lane], r1.outcome);
-        ASSERT_EQ(r4.plastic_work[lane], r1.plastic_work);
+        ASSERT_EQ(all.outcome[lane], r1.outcome);
+        ASSERT_EQ(all.plastic_work[lane], r1.plastic_work);
       }
     }
   }

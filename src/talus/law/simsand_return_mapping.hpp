@@ -206,7 +206,7 @@ template <Number R>
   // The residual is negative at `low` and positive at `high`, once either is known.
   M low_known = r.residual < zero;
   R low = select(low_known, r.x, floor), high = select(low_known, unbounded, r.x);
-  // x is found to 1e-8; no closer to rounding than 1e-13 of what the residual adds up.
+  // x is found to about 1e-8; no closer to rounding than 1e-13 of what the residual adds up.
   const R noise = R(1e-13) * abs(trial.x);
   // What the next guess adds to x: a Newton step first, then steps of the secant.
   R step = -r.residual / max(equation.slope(r), R(0.1));
