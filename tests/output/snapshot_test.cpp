@@ -46,6 +46,27 @@ assert f["talus/time"][0] == 0.25 and f["talus/step"][0] == 7
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+TEST_F(Snapshots, WhatWasWrittenIsReadBack) {
+  Observation seen = two_particles();
+  seen.fields[3].unit = "";  // a text without letters
+  write_snapshot(folder_ / "a.hdf", seen, {"velocity", "stress", "p"});
+  const Observation read = read_snapshot(folder_ / "a.hdf");
+  EXPECT_EQ(read.time, 0.25);
+  EXPECT_EQ(read.step, 7);
+  ASSERT_EQ(read.fields.size(), 4u);
+  EXPECT_EQ(read.fields[0].name, "position");
+  for (const Field& f : seen.fields) {
+    const Field* found = read.find(f.name);
+    ASSERT_TRUE(found) << f.name;
+    EXPECT_EQ(found->values, f.values) << f.name;  // small whole numbers, and places in double
+    EXPECT_EQ(found->components, f.components);
+    EXPECT_EQ(found->unit, f.unit);
+    EXPECT_EQ(found->meaning, f.meaning);
+  }
+  std::ofstream(folder_ / "b.hdf") << "no HDF5";
+  EXPECT_THROW(read_snapshot(folder_ / "b.hdf"), std::runtime_error);
+}
+
 TEST_F(Snapshots, TheSeriesListsFilesWithTheirTimes) {
   SnapshotSeries series(folder_, {"p"});
   Observation seen = two_particles();
@@ -60,6 +81,9 @@ TEST_F(Snapshots, TheSeriesListsFilesWithTheirTimes) {
   ASSERT_EQ(json["files"].size(), 2u);
   EXPECT_EQ(json["files"][1]["time"], 0.5);
   EXPECT_TRUE(fs::exists(folder_ / json["files"][1]["name"].get<std::string>()));
+  ASSERT_EQ(read_series(series.series_file()).size(), 2u);
+  EXPECT_EQ(read_snapshot(read_series(series.series_file())[1]).time, 0.5);
+  EXPECT_THROW(read_series(folder_ / "no.series"), std::runtime_error);
 }
 
 TEST_F(Snapshots, AFileThatCannotBeWrittenIsAnErrorAndLeavesNothingBehind) {

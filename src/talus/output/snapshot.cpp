@@ -98,7 +98,78 @@ void write_file(const std::filesystem::path& path, const Observation& seen, cons
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
 }
 
+std::string read_text_attribute(hid_t object, const char* name) {
+  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "find an attribute");
+  const Handle type(H5Aget_type(attribute), H5Tclose, "read an attribute");
+  std::string text(H5Tget_size(type), ' ');
+  check(H5Aread(attribute, type, text.data()), "read an attribute");
+  return text == " " ? "" : text;  // HDF5 has no empty texts
+}
+
+template <class T>
+std::vector<T> read_values(hid_t set, hid_t wanted) {
+  const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
+  std::vector<T> values(std::size_t(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
+  if (!values.empty()) check(H5Dread(set, wanted, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read a dataset");
+  return values;
+}
+
+Field read_field(hid_t group, const std::string& name) {
+  const Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
+  const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
+  hsize_t dims[H5S_MAX_RANK] = {0, 1};
+  const int rank = H5Sget_simple_extent_dims(space, dims, nullptr);
+  return {name, read_text_attribute(set, "units"), read_text_attribute(set, "meaning"), rank == 2 ? int(dims[1]) : 1,
+          read_values<double>(set, H5T_NATIVE_DOUBLE)};
+}
+
+Observation read_file(const std::filesystem::path& path) {
+  const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open the file");
+  const Handle root(H5Gopen2(file, "VTKHDF", H5P_DEFAULT), H5Gclose, "find its points");
+  const Handle data(H5Gopen2(root, "PointData", H5P_DEFAULT), H5Gclose, "find its fields");
+  const Handle run(H5Gopen2(file, "talus", H5P_DEFAULT), H5Gclose, "find its time");
+  const Handle time(H5Dopen2(run, "time", H5P_DEFAULT), H5Dclose, "find its time");
+  const Handle step(H5Dopen2(run, "step", H5P_DEFAULT), H5Dclose, "find its step");
+  Observation seen{read_values<double>(time, H5T_NATIVE_DOUBLE).at(0),
+                   read_values<long>(step, H5T_NATIVE_LONG).at(0),
+                   {read_field(root, "Points")}};
+  seen.fields[0].name = "position";
+  H5G_info_t all;
+  check(H5Gget_info(data, &all), "count its fields");
+  for (hsize_t i = 0; i < all.nlinks; ++i) {
+    const auto name = [&](char* text, std::size_t size) {
+      return H5Lget_name_by_idx(data, ".", H5_INDEX_NAME, H5_ITER_INC, i, text, size, H5P_DEFAULT);
+    };
+    std::string text(std::size_t(std::max<ssize_t>(0, name(nullptr, 0))), ' ');
+    check(name(text.data(), text.size() + 1) < 0 ? -1 : 0, "name a field");
+    seen.fields.push_back(read_field(data, text));
+  }
+  return seen;
+}
+
 }  // namespace
+
+Observation read_snapshot(const std::filesystem::path& file) {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
+  try {
+    return read_file(file);
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("the snapshot {} could not be read: {}", file.string(), e.what()));
+  }
+}
+
+std::vector<std::filesystem::path> read_series(const std::filesystem::path& series_file) {
+  std::vector<std::filesystem::path> files;
+  try {
+    std::ifstream in(series_file);
+    const nlohmann::json series = nlohmann::json::parse(in);
+    for (const auto& listed : series.at("files"))
+      files.push_back(series_file.parent_path() / listed.at("name").get<std::string>());
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("the series {} could not be read: {}", series_file.string(), e.what()));
+  }
+  return files;
+}
 
 void write_snapshot(const std::filesystem::path& file, const Observation& seen,
                     const std::vector<std::string>& fields) {

@@ -18,6 +18,13 @@ namespace talus {
 /// Throws std::runtime_error if it cannot be written.
 void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields);
 
+/// Reads what write_snapshot wrote: the positions, then the fields by name. Throws std::runtime_error if the file is not such
+/// a snapshot.
+Observation read_snapshot(const std::filesystem::path& file);
+
+/// The files that a series file lists, in its order. Throws std::runtime_error if it cannot be read.
+std::vector<std::filesystem::path> read_series(const std::filesystem::path& series_file);
+
 /// The snapshots of a run: numbered files and the series file that lists them with their times. A snapshot is written
 /// while the run goes on; the next one waits for it, and brings its errors.
 class SnapshotSeries {
