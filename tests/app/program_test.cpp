@@ -119,7 +119,11 @@ TEST_F(Program, ARunThatBreaksEndsWithCode3AndLeavesTheLastGoodSnapshot) {
     EXPECT_TRUE(has(run.output, part)) << part << "\n" << run.output;
   EXPECT_TRUE(fs::exists(folder_ / "out/failure.hdf"));
   EXPECT_TRUE(fs::exists(folder_ / "out/particles_0001.hdf"));
-  EXPECT_TRUE(has(contents(folder_ / "out/report.html"), "The run failed"));
+  const std::string report = contents(folder_ / "out/report.html");
+  EXPECT_TRUE(has(report, "The run failed"));
+  const auto state_at_the_break =
+      nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["simulated_seconds"];
+  EXPECT_TRUE(has(report, "\"time\":" + state_at_the_break.dump())) << "the viewer ends with failure.hdf";
   EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["outcome"], "failed");
 }
 

@@ -33,6 +33,9 @@ struct ReproduceOptions {
 };
 int reproduce(const ReproduceOptions& options);
 
+/// Opens the report of a run where there is a display; otherwise says where it is.
+int view_report(const std::string& folder);
+
 int list_everything();
 
 }  // namespace talus

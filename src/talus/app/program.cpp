@@ -45,6 +45,10 @@ int talus_program(int argc, char** argv) {
   check_command->add_option("CASE", check_file, "case file (TOML)")->required();
   check_command->add_option("--threads", check_threads, "threads [all processors]")->check(CLI::Range(1, 4096));
 
+  std::string view_folder;
+  CLI::App* view_command = app.add_subcommand("view", "open the report of a run, or say where it is");
+  view_command->add_option("DIR", view_folder, "folder of the results")->required();
+
   talus::ElementOptions element;
   CLI::App* element_command = app.add_subcommand("element", "run an element test");
   element_command->add_option("TEST", element.test_file, "test file (TOML)")->required();
@@ -73,6 +77,7 @@ int talus_program(int argc, char** argv) {
   try {
     if (*run_command) return talus::run_case(run);
     if (*check_command) return talus::check_case(check_file, check_threads);
+    if (*view_command) return talus::view_report(view_folder);
     if (*element_command) return talus::run_element(element);
     if (*reproduce_command) return talus::reproduce(figures);
     if (*list_command) return talus::list_everything();

@@ -65,44 +65,6 @@ class Schedule {
   double interval_, next_ = 0;
 };
 
-std::vector<Picture> draw_charts(const fs::path& folder, const fs::path& csv, const History& history, int dim) {
-  const auto column = [&](const char* name) { return history.column(name) + 1; };
-  const std::vector<std::pair<Chart, std::string>> charts = {
-      {{"front", "time [s]", "position of the fronts [mm]", 1, 1e3, 1,
-        dim == 3 ? std::vector<Curve>{{column("front_radius [m]"), "largest radius"}}
-                 : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
-       "How far the material reaches"},
-      {{"height",
-        "time [s]",
-        "height [mm]",
-        1,
-        1e3,
-        1,
-        {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}},
-       "How high it stands"},
-      {{"energy",
-        "time [s]",
-        "energy [J]",
-        1,
-        1,
-        1,
-        {{column("kinetic_energy [J]"), "kinetic"},
-         {column("elastic_energy [J]"), "elastic"},
-         {column("plastic_dissipation [J]"), "friction"},
-         {column("collisional_work [J]"), "collisions"},
-         {column("averaging_dissipation [J]"), "averaging"},
-         {column("numerical_dissipation [J]"), "numerical"}}},
-       "Where the energy went"},
-      {{"step", "time [s]", "time step [{/Symbol m}s]", 1, 1e6, 1, {{column("dt [s]"), "time step"}}}, "The time step"},
-      {{"separated", "time [s]", "particles", 1, 1, 1, {{column("separated_particles"), "separated particles"}}},
-       "Particles whose grains have moved apart"},
-  };
-  std::vector<Picture> drawn;
-  for (const auto& [chart, caption] : charts)
-    if (draw_chart(folder, csv, chart)) drawn.push_back({folder / (chart.name + ".svg"), caption});
-  return drawn;
-}
-
 }  // namespace
 
 int run_case(const RunOptions& options) {
@@ -176,10 +138,9 @@ int run_case(const RunOptions& options) {
 
   write_record(folder / "record.json", run);
   const std::vector<Picture> drawn = pictures.draw();
-  const std::vector<Picture> charts = drawn.empty()
-                                          ? std::vector<Picture>{}
-                                          : draw_charts(folder / "pictures", folder / "history.csv", history, what.dim);
-  write_report(folder / "report.html", what, run, drawn, charts);
+  if (!drawn.empty())
+    for (const Chart& chart : charts_of(history)) draw_chart(folder / "pictures", folder / "history.csv", chart);
+  write_report(folder, what, run, drawn, charts_of(history));
   fmt::print(stderr, "{}\n", in_words(run.tally));
   for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
   if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");

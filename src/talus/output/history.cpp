@@ -73,4 +73,46 @@ int History::column(const std::string& name) const {
   return found == columns_.end() ? -1 : int(found - columns_.begin());
 }
 
+std::vector<Chart> charts_of(const History& history) {
+  const auto column = [&](const char* name) { return history.column(name) + 1; };
+  const std::string time = "time [s]";
+  return {
+      {"front", "How far the material reaches", time, "position of the fronts [mm]", 1, 1e3, 1,
+       column("front_radius [m]") > 0
+           ? std::vector<Curve>{{column("front_radius [m]"), "largest radius"}}
+           : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
+      {"height",
+       "How high it stands",
+       time,
+       "height [mm]",
+       1,
+       1e3,
+       1,
+       {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}},
+      {"energy",
+       "Where the energy went",
+       time,
+       "energy [J]",
+       1,
+       1,
+       1,
+       {{column("kinetic_energy [J]"), "kinetic"},
+        {column("elastic_energy [J]"), "elastic"},
+        {column("plastic_dissipation [J]"), "friction"},
+        {column("collisional_work [J]"), "collisions"},
+        {column("averaging_dissipation [J]"), "averaging"},
+        {column("numerical_dissipation [J]"), "numerical"},
+        {column("energy_error [J]"), "not accounted for"}}},
+      {"step", "The time step", time, "time step [\u00b5s]", 1, 1e6, 1, {{column("dt [s]"), "time step"}}},
+      {"separated",
+       "Particles whose grains have moved apart",
+       time,
+       "particles",
+       1,
+       1,
+       1,
+       {{column("separated_particles"), "separated particles"}}},
+  };
+}
+
 }  // namespace talus

@@ -8,6 +8,7 @@
 
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
+#include "talus/output/plot.hpp"
 
 namespace talus {
 
@@ -28,5 +29,8 @@ class History {
   std::vector<std::vector<double>> rows_;
   std::ofstream file_;
 };
+
+/// What of a history is drawn: fronts, height, energies, time step, separated particles.
+std::vector<Chart> charts_of(const History& history);
 
 }  // namespace talus

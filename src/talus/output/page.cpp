@@ -15,20 +15,6 @@ std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
-std::string base64(const std::string& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve(bytes.size() * 4 / 3 + 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
-    for (std::size_t k = 0; k < 4; ++k)
-      out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return out;
-}
-
 constexpr const char* style = R"(
 body { font: 16px/1.5 system-ui, sans-serif; color: #222; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; margin-bottom: .2rem; } h2 { font-size: 1.2rem; margin-top: 2.2rem; border-bottom: 1px solid #ddd; }
@@ -59,11 +45,33 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string page_head(const std::string& title) {
+std::string base64(const std::string& bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve(bytes.size() * 4 / 3 + 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    unsigned group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0);
+    for (std::size_t k = 0; k < 4; ++k)
+      out += i + k <= bytes.size() || k < 2 ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return out;
+}
+
+std::string page_head(const std::string& title, std::string_view more_style) {
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" "
-      "content=\"width=device-width\"><title>{}</title><style>{}</style></head><body>\n",
-      escaped(title), style);
+      "content=\"width=device-width\"><title>{}</title><style>{}{}</style></head><body>\n",
+      escaped(title), style, more_style);
+}
+
+std::string embedded_script(std::string_view script) { return fmt::format("<script>\n{}</script>\n", script); }
+
+std::string embedded_json(const std::string& id, const std::string& json) {
+  std::string safe;  // no text may end the element
+  for (char c : json) safe += c == '<' ? "\\u003c" : std::string(1, c);
+  return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, safe);
 }
 
 std::string embedded_figure(const std::filesystem::path& image, const std::string& caption) {

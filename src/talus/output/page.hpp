@@ -3,15 +3,25 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace talus {
 
 /// Text as it must stand in HTML.
 std::string escaped(const std::string& text);
 
-/// The beginning of a page, up to its body: title and style. Classes: n (number), d (default, grey), charts (grid of
-/// figures), warning, good, badge.
-std::string page_head(const std::string& title);
+/// Bytes as text.
+std::string base64(const std::string& bytes);
+
+/// The beginning of a page, up to its body: title and style, and more style. Classes: n (number), d (default, grey),
+/// charts (grid of figures), warning, good, badge.
+std::string page_head(const std::string& title, std::string_view more_style = {});
+
+/// A script as a part of the page.
+std::string embedded_script(std::string_view script);
+
+/// JSON as a part of the page, for its scripts to find by `id`.
+std::string embedded_json(const std::string& id, const std::string& json);
 
 /// An image as a part of the page, with a caption.
 std::string embedded_figure(const std::filesystem::path& image, const std::string& caption);

@@ -25,6 +25,7 @@ struct Curve {
 };
 struct Chart {
   std::string name;  ///< of the files: NAME.svg, NAME.gp
+  std::string caption;
   std::string x_label, y_label;
   double x_scale = 1, y_scale = 1;
   int x_column = 1;

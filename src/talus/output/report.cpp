@@ -1,6 +1,7 @@
 #include "talus/output/report.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -12,14 +13,124 @@
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/output/page.hpp"
+#include "talus/output/page_parts.hpp"
+#include "talus/output/snapshot.hpp"
+#include "talus/output/viewer.hpp"
 
 namespace talus {
 
 namespace {
 
+constexpr double most_missed = 0.01;  ///< share of the energy turned over up to which a ledger counts as closed
+
 /// A share of the energy turned over, as a percentage; a dash where nothing moved.
 std::string share(double part, const Ledger& l) {
   return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;";
+}
+
+/// Does the energy ledger close? Its limit is that of the warning.
+std::string verdict_of(const Ledger& l) {
+  if (!(l.turnover > 0)) return "Nothing moved, so there is no energy to account for.";
+  const double missed = std::abs(l.error()) / l.turnover;
+  return fmt::format(
+      "The ledger {}: {:.2g} % of the energy turned over is not accounted for (it closes up to {:.0f} %).",
+      missed <= most_missed ? "closes" : "does not close", 100 * missed, 100 * most_missed);
+}
+
+/// The case in a few sentences.
+std::string in_words(const Case& what) {
+  const auto length = [](double x) { return with_unit(x, "m"); };
+  const auto size = [&](const Box& box) {
+    std::vector<std::string> sides;
+    for (int a = 0; a < what.dim; ++a) sides.push_back(length(box.max[a] - box.min[a]));
+    return fmt::format("{}", fmt::join(sides, " x "));
+  };
+  std::string text = fmt::format("{}, domain {}, cells {}, gravity {}.",
+                                 what.dim == 2 ? "Plane strain (x and y; y upwards)" : "Three dimensions (z upwards)",
+                                 size(what.domain), length(what.cell),
+                                 with_unit(std::hypot(what.gravity[0], what.gravity[1], what.gravity[2]), "m/s2"));
+  for (const BodySpec& body : what.bodies) {
+    const Material& material = what.materials[body.material];
+    const char* shape = std::holds_alternative<Cylinder>(body.region)  ? "cylinder"
+                        : std::holds_alternative<Polygon>(body.region) ? "polygon"
+                                                                       : "box";
+    text += fmt::format(" `{}` is a {} within {}, of {} (law {}), with particles {} apart.", body.name, shape,
+                        size(bounding_box(body.region, what.dim)), material.name,
+                        std::visit([](const auto& law) { return std::string(law.name); }, material.law),
+                        length(body.spacing));
+  }
+  std::vector<std::string> walls;
+  for (int side = 0; side < 2 * what.dim; ++side)
+    if (what.walls[side] != WallKind::open)
+      walls.push_back(fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max",
+                                  what.walls[side] == WallKind::slip ? "smooth" : "rough"));
+  text += walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
+  return text + fmt::format(" It is followed until {}.", with_unit(what.end, "s"));
+}
+
+/// The viewer; and what stands in its place where a browser cannot show it.
+std::string particles_section(const std::filesystem::path& folder, const Case& what, const RunSummary& run) {
+  std::string section =
+      "<noscript><p>This browser runs no scripts; the pictures below show the particles.</p></noscript>\n"
+      "<p id=\"without\" hidden>This browser shows no WebGL, which the turning picture of the particles needs; the "
+      "pictures below show them at some instants.</p>\n";
+  try {
+    std::vector<std::filesystem::path> snapshots = read_series(folder / "particles.hdf.series");
+    if (!run.failure.empty()) snapshots.push_back(folder / "failure.hdf");
+    return section + viewer(what, snapshots);
+  } catch (const std::exception& e) {  // a report without particles is better than none
+    return section + "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
+  }
+}
+
+/// Rows of a history as they stand in the page: all, or the first of every `every` and the last where they would make it
+/// large.
+struct Rows {
+  std::string text;
+  std::size_t every;
+};
+Rows rows_of(const std::filesystem::path& csv) {
+  constexpr std::size_t most_rows = 10000;
+  std::vector<std::string> lines;
+  std::ifstream in(csv);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  const std::size_t every = lines.size() / most_rows + 1;
+  std::string rows;
+  for (std::size_t i = 0; i < lines.size(); ++i)
+    if (i <= 1 || (i - 1) % every == 0 || i + 1 == lines.size()) rows += lines[i] + "\n";
+  return {rows, every};
+}
+
+std::string charts_section(const std::filesystem::path& folder, const std::vector<Chart>& charts) {
+  std::string section = "<div class=\"charts\">\n";
+  nlohmann::json told = nlohmann::json::array();
+  for (const Chart& chart : charts) {
+    nlohmann::json curves = nlohmann::json::array();
+    for (std::size_t i = 0; i < chart.curves.size(); ++i)
+      curves.push_back(
+          {{"column", chart.curves[i].column}, {"label", chart.curves[i].label}, {"colour", line_colour(int(i))}});
+    told.push_back({{"name", chart.name},
+                    {"x_label", chart.x_label},
+                    {"y_label", chart.y_label},
+                    {"x_scale", chart.x_scale},
+                    {"y_scale", chart.y_scale},
+                    {"x_column", chart.x_column},
+                    {"curves", curves}});
+    section += fmt::format(
+        "<figure><div class=\"chart\" id=\"chart-{0}\"></div><div class=\"chart-legend\" id=\"legend-{0}\"></div>"
+        "<figcaption>{1}</figcaption></figure>\n",
+        chart.name, escaped(chart.caption));
+    const std::filesystem::path drawn = folder / "pictures" / (chart.name + ".svg");
+    if (std::filesystem::exists(drawn))
+      section += "<noscript>" + embedded_figure(drawn, chart.caption) + "</noscript>\n";
+  }
+  const Rows rows = rows_of(folder / "history.csv");
+  section += "</div>\n";
+  if (rows.every > 1)
+    section += fmt::format("<p class=\"note\">The curves go through every {}th row of history.csv.</p>\n", rows.every);
+  return section + "<script type=\"text/csv\" id=\"history\">" + rows.text + "</script>\n" +
+         embedded_json("charts", told.dump()) + embedded_script(page_parts::dygraph_js()) +
+         embedded_script(page_parts::curves_js());
 }
 
 }  // namespace
@@ -62,7 +173,7 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
     warnings.push_back(
         "The result depends on the time step by construction: a fixed share of the particles' velocity is dropped "
         "every step. Use transfer = \"flip_tau\".");
-  if (energy > 0 && std::abs(l.error()) > 0.01 * energy)
+  if (energy > 0 && std::abs(l.error()) > most_missed * energy)
     warnings.push_back(
         fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
                     100 * std::abs(l.error()) / energy));
@@ -130,11 +241,12 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
 }
 
-void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run,
-                  const std::vector<Picture>& pictures, const std::vector<Picture>& charts) {
+void write_report(const std::filesystem::path& folder, const Case& what, const RunSummary& run,
+                  const std::vector<Picture>& pictures, const std::vector<Chart>& charts) {
   const Ledger& l = run.ledger;
   std::ostringstream page;
-  page << page_head(what.title) << "<h1>" << escaped(what.title) << "</h1>\n<p>"
+  page << page_head(what.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
+       << page_parts::licences_html() << "<h1>" << escaped(what.title) << "</h1>\n<p>"
        << escaped(fmt::format("talus {} \u2013 {} particles, {} steps, {:.4g} s simulated in {:.1f} s on {} thread{}.",
                               version(), run.n_particles, l.step, l.time, run.wall_seconds, run.n_threads,
                               run.n_threads == 1 ? "" : "s"))
@@ -145,6 +257,13 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
   if (run.failure.empty() && run.warnings.empty())
     page << "<div class=\"warning good\">The run ended as it should: the ledger closes, and nothing calls for a "
             "warning.</div>\n";
+  page << "<p>" << escaped(in_words(what)) << "</p>\n";
+
+  page << "<h2>Particles</h2>\n" << particles_section(folder, what, run);
+  page << "<h2>In time</h2>\n<p>Point at a curve to read it off; drag over it to enlarge a part, double-click to see "
+          "all "
+          "again. A click shows the particles at that instant.</p>\n"
+       << charts_section(folder, charts);
 
   const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
   page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
@@ -163,14 +282,9 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
     page << "<h2>Pictures</h2>\n";
     for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
   }
-  if (!charts.empty()) {
-    page << "<h2>In time</h2>\n<div class=\"charts\">\n";
-    for (const Picture& c : charts) page << embedded_figure(c.file, c.caption);
-    page << "</div>\n";
-  }
-
-  page << "<h2>Energy</h2>\n<p>Of " << fmt::format("{:.4g} J", l.turnover)
-       << (what.dim == 2 ? " per metre of thickness" : "") << " that were turned over:</p>\n<table>\n";
+  page << "<h2>Energy</h2>\n<p><b>" << escaped(verdict_of(l)) << "</b></p>\n<p>Of "
+       << fmt::format("{:.4g} J", l.turnover) << (what.dim == 2 ? " per metre of thickness" : "")
+       << " that were turned over:</p>\n<table>\n";
   const auto energy = [&](const char* name, double joule) {
     page << fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule,
                         share(joule, l));
@@ -212,6 +326,7 @@ void write_report(const std::filesystem::path& file, const Case& what, const Run
        fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
   fact("snapshots", fmt::format("{}, listed in particles.hdf.series", run.n_snapshots));
   page << "</table>\n</body></html>\n";
+  const std::filesystem::path file = folder / "report.html";
   std::ofstream out(file);
   out << page.str();
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());

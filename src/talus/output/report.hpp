@@ -42,8 +42,9 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
 /// Everything that is needed to know what was run, by which version, on what machine, and how it went.
 void write_record(const std::filesystem::path& file, const RunSummary& run);
 
-/// A page that opens without network and without other files.
-void write_report(const std::filesystem::path& file, const Case& what, const RunSummary& run,
-                  const std::vector<Picture>& pictures, const std::vector<Picture>& charts);
+/// Writes report.html, a page that opens without network and without other files, of the results in `folder`: particles
+/// and curves come from particles.hdf.series (and failure.hdf) and history.csv there.
+void write_report(const std::filesystem::path& folder, const Case& what, const RunSummary& run,
+                  const std::vector<Picture>& pictures, const std::vector<Chart>& charts);
 
 }  // namespace talus

@@ -1,0 +1,24 @@
+#pragma once
+/// The particles of a run through time, as a part of a web page that needs nothing else: read back from the snapshots,
+/// packed for the browser, shown by report/viewer.js.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "talus/case/case.hpp"
+
+namespace talus {
+
+/// About the most that packed particles take in a page [bytes]; browsers open a page of this size in seconds.
+inline constexpr std::size_t viewer_budget = 100'000'000;
+/// Instants that are kept at least, if there are so many; then particles are left out instead.
+inline constexpr int fewest_instants = 8;
+
+/// The viewer of these snapshots and its data as HTML. Places are rounded to 1/65535 of the extent of an instant, values
+/// to 9 bits (0.2 %). What does not fit into `budget` is left out, instants first, evenly, and the page
+/// says so. Throws std::runtime_error if a snapshot cannot be read or holds other fields than the first.
+std::string viewer(const Case& what, const std::vector<std::filesystem::path>& snapshots,
+                   std::size_t budget = viewer_budget);
+
+}  // namespace talus
