@@ -1,0 +1,181 @@
+#!/usr/bin/python3
+"""Opens FOLDER/report.html in a browser, uses it as a reader would, and holds what it shows against the run's own files.
+
+usage: use_report.py FOLDER [SCREENSHOT]
+"""
+
+import base64
+import csv
+import io
+import json
+import pathlib
+import sys
+
+import h5py
+import numpy
+from PIL import Image
+from selenium import webdriver
+from selenium.webdriver import ActionChains, Keys
+from selenium.webdriver.chrome.options import Options
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.support.ui import Select, WebDriverWait
+
+folder = pathlib.Path(sys.argv[1]).resolve()
+report = (folder / "report.html").as_uri()
+
+
+def browser(*more):
+    options = Options()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1300,1000", *more):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+
+
+def use(page):
+    page.get(report)
+
+    def element(name):
+        return page.find_element(By.ID, name)
+
+    def state():
+        return page.execute_script("return window.talus.state()")
+
+    def wait(condition):
+        WebDriverWait(page, 60).until(lambda _: condition())
+
+    def pixels(canvas):
+        url = page.execute_script(f"return document.getElementById('{canvas}').toDataURL('image/png')")
+        return numpy.asarray(Image.open(io.BytesIO(base64.b64decode(url.split(",")[1]))).convert("RGBA")).astype(int)
+
+    def drawn():
+        """How many pixels the particles cover."""
+        return (pixels("particles")[:, :, 3] > 0).sum()
+
+    wait(lambda: page.execute_script("return window.talus && window.talus.state().ready"))
+    assert page.find_element(By.TAG_NAME, "h1").text == "A cylinder <falls> & spreads"
+    assert not element("without").is_displayed()
+
+    # The time slider: each instant's particles stand where the snapshot says, with the values it says.
+    series = json.loads((folder / "particles.hdf.series").read_text())["files"]
+    assert state()["frames"] == len(series)
+    element("instant").send_keys(Keys.HOME)
+    wait(lambda: state()["frame"] == 0)
+    before = pixels("particles")
+    for frame, listed in enumerate(series):
+        wait(lambda: state()["frame"] == frame)
+        snapshot = h5py.File(folder / listed["name"])
+        assert snapshot["talus/time"][0] == listed["time"] == state()["time"]
+        points = snapshot["VTKHDF/Points"][:]
+        seen = numpy.array(page.execute_script("return window.talus.places()")).reshape(-1, 3)
+        step = (points.max(0) - points.min(0)) / 65535  # half of it is lost to rounding, and 2^-24 as in any 32 bits
+        assert (abs(seen - points) <= step / 2 + 2**-23 * abs(points).max()).all()
+        speed = numpy.linalg.norm(snapshot["VTKHDF/PointData/velocity"][:], axis=1)
+        shown = numpy.array(page.execute_script("return window.talus.values()"))
+        # each component is rounded to eleven bits, then to nine; what is smaller than 2^-28 of the largest has fewer
+        rounding = 2**-11 + 2**-9
+        assert (abs(shown - speed) <= rounding * speed + 2**-36 * speed.max()).all()
+        element("instant").send_keys(Keys.ARROW_RIGHT)
+    assert (pixels("particles") != before).any(axis=2).sum() > 1000, "the particles fall"
+
+    # Colour.
+    Select(element("range")).select_by_visible_text("least to most, this instant")
+    before = pixels("particles")
+    Select(element("quantity")).select_by_visible_text("stress zz")
+    wait(lambda: state()["quantity"] == "stress zz")
+    stress = h5py.File(folder / series[-1]["name"])["VTKHDF/PointData/stress"][:, 2]
+    assert (pixels("particles") != before).any(axis=2).sum() > 1000
+    assert abs(state()["low"] - stress.min()) <= 1e-6 * abs(stress.min()), "the scale begins at the least value"
+    assert element("unit").text == "Pa"
+
+    # Both colour maps rise evenly in lightness: no tenth of the scale twice as long as another, to the eye (CIE 1976).
+    for name in ("viridis", "cividis"):
+        Select(element("map")).select_by_visible_text(name)
+        strip = pixels("frame")
+        column = strip[:, strip.shape[1] - 130 + 14 + 9, :3] / 255
+        coloured = numpy.where(column.max(1) - column.min(1) > 0.05)[0]
+        coloured = coloured[(coloured > 72) & (coloured < strip.shape[0] - 62)]
+        linear = numpy.where(column <= 0.04045, column / 12.92, ((column + 0.055) / 1.055) ** 2.4)
+        luminance = (linear @ [0.2126, 0.7152, 0.0722])[coloured[0]:coloured[-1] + 1]
+        lightness = 116 * numpy.cbrt(luminance) - 16
+        steps = -numpy.diff(lightness[numpy.linspace(0, len(lightness) - 1, 11).astype(int)])
+        assert steps.min() > 0 and steps.max() < 2 * steps.min(), (name, steps)
+
+    # The clip plane takes particles away; those that stay lie on one side of it.
+    whole = drawn()
+    Select(element("clip_axis")).select_by_visible_text("y")
+    y = points[:, 1]
+    assert 0 < state()["kept"] < len(y), state()
+    element("clip_side").click()
+    other = state()["kept"]
+    element("clip_side").click()
+    assert state()["kept"] + other == len(y)
+    element("clip_place").send_keys(Keys.END)
+    assert drawn() < whole / 10
+    Select(element("clip_axis")).select_by_visible_text("nothing")
+    assert drawn() == whole
+
+    # Turning, and reading a particle.
+    camera = state()["camera"]
+    stage = element("particles")
+    page.execute_script("arguments[0].scrollIntoView({block: 'center'})", stage)
+    ActionChains(page).drag_and_drop_by_offset(stage, 120, 40).perform()
+    assert state()["camera"] != camera
+    ys, xs = numpy.where(pixels("particles")[:, :, 3] > 0)
+    middle = numpy.argmin((xs - numpy.median(xs)) ** 2 + (ys - numpy.median(ys)) ** 2)
+    offset = int(xs[middle] - stage.size["width"] / 2), int(ys[middle] - stage.size["height"] / 2)
+    ActionChains(page).move_to_element_with_offset(stage, *offset).perform()
+    words = element("reading").text.split()  # stress zz VALUE Pa particle NUMBER, at ...
+    number, value = int(words[words.index("particle") + 1].rstrip(",")), float(words[2])
+    # it is read to four digits
+    assert abs(value - stress[number]) <= (rounding + 5e-4) * abs(stress[number]), element("reading").text
+
+    # The keyboard.
+    stage_box = element("stage")
+    stage_box.send_keys(Keys.HOME)
+    wait(lambda: state()["frame"] == 0)
+    stage_box.send_keys(Keys.SPACE)
+    wait(lambda: state()["frame"] >= 2)
+    stage_box.send_keys(Keys.SPACE)
+
+    # A curve: what the legend says under the pointer is a row of the history; a click goes to its instant.
+    rows = list(csv.DictReader(open(folder / "history.csv")))
+    chart = element("chart-height")
+    page.execute_script("arguments[0].scrollIntoView({block: 'center'})", chart)
+    ActionChains(page).move_to_element(chart).perform()
+    legend = element("legend-height").text.split()
+    seconds, height = float(legend[legend.index("time") + 1]), float(legend[legend.index("point:") + 1])
+    row = min(rows, key=lambda r: abs(float(r["time [s]"]) - seconds))
+    assert abs(float(row["time [s]"]) - seconds) <= 1e-5 * seconds
+    assert abs(float(row["height [m]"]) * 1e3 - height) <= 1e-5 * height, (legend, row["height [m]"])
+    ActionChains(page).click().perform()
+    nearest = min(range(len(series)), key=lambda i: abs(series[i]["time"] - float(row["time [s]"])))
+    wait(lambda: state()["frame"] == nearest)
+
+    for entry in page.get_log("browser"):
+        raise AssertionError(entry)
+    for entry in page.get_log("performance"):
+        message = json.loads(entry["message"])["message"]
+        if message["method"] == "Network.requestWillBeSent":
+            url = message["params"]["request"]["url"]
+            assert url == report or url.startswith(("data:", "blob:")), url
+    if len(sys.argv) > 2:
+        page.save_screenshot(sys.argv[2])
+
+
+def use_without_webgl(page):
+    page.get(report)
+    assert page.find_element(By.ID, "without").is_displayed()
+    assert not page.find_element(By.ID, "viewer").is_displayed()
+    assert page.find_element(By.CSS_SELECTOR, "figure img[src^='data:image/png']").is_displayed()
+    assert page.find_element(By.CSS_SELECTOR, "#chart-front canvas").is_displayed()
+
+
+for visit, arguments in ((use, ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")), (use_without_webgl, ("--disable-3d-apis",))):
+    page = browser(*arguments)
+    try:
+        visit(page)
+    finally:
+        page.quit()
