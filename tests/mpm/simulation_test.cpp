@@ -10,6 +10,7 @@
 #include "law/parameter_sets.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
+#include "talus/base/image.hpp"
 
 namespace talus {
 namespace {
@@ -274,6 +275,49 @@ TEST_P(InBothDimensions, TheResultHasTheSameBitsOnAnyNumberOfThreads) {
     for (const char* f : {"position", "velocity", "stress", "kappa"})
       EXPECT_EQ(seen[k].find(f)->values, seen[0].find(f)->values) << f;
   }
+}
+
+// ---- to stop and go on --------------------------------------------------------------------------------------------
+
+TEST_P(InBothDimensions, ARunPutBackWhereItWasSavedGoesOnByTheSameBitsOnAnotherNumberOfThreads) {
+  Case what = column_at_rest(GetParam(), WallKind::no_slip);
+  what.domain.max[0] = 1;
+  what.n_cells[0] = 20;
+  what.walls[1] = WallKind::open;
+  what.bodies.push_back(what.bodies[0]);  // two bodies, one upon the other
+  what.bodies[0].region = GetParam() == 2 ? Box{{0, 0, 0}, {0.4, 0.2, 0}} : Box{{0, 0, 0}, {0.4, 0.2, 0.2}};
+  what.bodies[1].region = GetParam() == 2 ? Box{{0, 0.2, 0}, {0.4, 0.5, 0}} : Box{{0, 0, 0.2}, {0.4, 0.2, 0.5}};
+  const auto one = make_serial(), three = make_openmp(3);
+  const auto unbroken = make_simulation(what, *one);
+  std::map<std::string, std::vector<double>> saved;
+  // Saved at instants that lie anywhere between two sortings of the particles, into a run that has gone elsewhere.
+  for (int steps : {0, 7, 61, 40, 101}) {
+    for (int i = 0; i < steps; ++i) unbroken->step();
+    saved.clear();
+    unbroken->save([&](const std::string& name, std::span<const double> values) {
+      EXPECT_TRUE(saved.emplace(name, std::vector<double>(values.begin(), values.end())).second) << name;
+    });
+    const auto resumed = make_simulation(what, *three);
+    for (int i = 0; i < 3; ++i) resumed->step();
+    resumed->restore([&](const std::string& name) { return saved.at(name); });
+    EXPECT_EQ(resumed->next_dt(), unbroken->next_dt());
+    const auto ahead = make_simulation(what, *one);
+    ahead->restore([&](const std::string& name) { return saved.at(name); });
+    for (int i = 0; i < 60; ++i) resumed->step();
+    for (int i = 0; i < 60; ++i) ahead->step();
+    for (int i = 0; i < 60; ++i) unbroken->step();
+    for (const auto* s : {resumed.get(), ahead.get()}) {
+      EXPECT_EQ(image_of(s->ledger()), image_of(unbroken->ledger()));
+      EXPECT_EQ(image_of(s->tally()), image_of(unbroken->tally()));
+    }
+    const Observation a = resumed->observe(), b = ahead->observe(), c = unbroken->observe();
+    for (std::size_t f = 0; f < c.fields.size(); ++f) {
+      EXPECT_EQ(a.fields[f].values, c.fields[f].values) << c.fields[f].name << " after " << steps;
+      EXPECT_EQ(b.fields[f].values, c.fields[f].values) << c.fields[f].name << " after " << steps;
+    }
+  }
+  saved["body 1: mass 0"].pop_back();
+  EXPECT_THROW(unbroken->restore([&](const std::string& name) { return saved.at(name); }), std::runtime_error);
 }
 
 // ---- softer than asked for, to go faster -------------------------------------------------------------------------

@@ -88,6 +88,8 @@ class Grid {
     Index<Dim> low, high;
   };
   void arrange(const std::vector<Index<Dim>>& occupied, const std::vector<CellRange>& cells);
+  /// The `cells` of the last arrangement, one range for every occupied tile.
+  const std::vector<CellRange>& cells() const { return cells_; }
 
   void clear_window(int t) { std::fill_n(window(t), Layout::n_window, zero_node()); }
 
@@ -110,6 +112,7 @@ class Grid {
 
  private:
   std::vector<Tile<Dim, Shape>> tiles_;
+  std::vector<CellRange> cells_;
   std::vector<NodeValue> windows_, sums_, velocity_, new_velocity_, acceleration_;
 };
 
@@ -156,6 +159,7 @@ void Grid<Dim, Shape>::arrange(const std::vector<Index<Dim>>& occupied, const st
   std::unordered_map<Index<Dim>, int, Hash> at;
   at.reserve(occupied.size() * 2);
   tiles_.clear();
+  cells_ = cells;
   const auto add = [&](const Index<Dim>& place, bool holds_particles) {
     if (at.emplace(place, int(tiles_.size())).second) tiles_.push_back({place, {}, holds_particles});
   };

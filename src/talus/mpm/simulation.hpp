@@ -1,7 +1,9 @@
 #pragma once
 /// A run of the material point method, as the rest of talus sees it: no dimension, shape function or law in its type.
 
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -69,6 +71,10 @@ struct ParticlePlaces {
   std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
 };
 
+/// Takes or gives one array of what decides how a run goes on, by its name.
+using TakeNumbers = std::function<void(const std::string& name, std::span<const double> values)>;
+using GiveNumbers = std::function<std::vector<double>(const std::string& name)>;
+
 class Simulation {
  public:
   virtual ~Simulation() = default;
@@ -85,6 +91,12 @@ class Simulation {
   virtual std::size_t bytes() const = 0;
   /// The step that step() would take now [s].
   virtual double next_dt() const = 0;
+
+  /// Hands out everything that decides the bits of the steps to come. Not after a RunError.
+  virtual void save(const TakeNumbers& take) const = 0;
+  /// Puts a run of the same case where `save` found it, whatever the number of threads was. Throws std::runtime_error
+  /// if the numbers are of another run.
+  virtual void restore(const GiveNumbers& give) = 0;
 };
 
 /// Fills the bodies of a case with particles and lets them rest on a grid.

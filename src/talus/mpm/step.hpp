@@ -11,6 +11,7 @@
 #include <cmath>
 
 #include "talus/base/error.hpp"
+#include "talus/base/image.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/time_step.hpp"
 #include "talus/mpm/transfer.hpp"
@@ -36,7 +37,7 @@ class Stepper final : public Simulation {
     for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
     for (const auto& body : bodies_) wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration));
-    over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
+    give_all_momentum();
   }
 
   void step() override {
@@ -73,6 +74,8 @@ class Stepper final : public Simulation {
       b += std::size_t(body.particles.size()) * body.particles.columns().n_columns() * sizeof(double);
     return b;
   }
+  void save(const TakeNumbers& take) const override;
+  void restore(const GiveNumbers& give) override;
 
  private:
   BoundedStep next_step() const {
@@ -198,7 +201,7 @@ class Stepper final : public Simulation {
            [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.places(i, 1))); });
     if (reorder) {
       arrange();
-      over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
+      give_all_momentum();
     }
   }
 
@@ -373,9 +376,14 @@ class Stepper final : public Simulation {
 
   void arrange() {
     put_in_cell_order(bodies_, domain_, grid_, loop_);
+    settle_on_grid();
+    drift_ = 0;
+  }
+
+  /// What follows from the arrangement of particles and tiles.
+  void settle_on_grid() {
     boundary_.emplace(domain_, grid_);
     deal_out_tiles();
-    drift_ = 0;
   }
 
   /// Shares of about equal work.
@@ -393,13 +401,15 @@ class Stepper final : public Simulation {
           int(std::lower_bound(work.begin(), work.end(), work.back() * w / loop_.n_workers()) - work.begin()));
   }
 
+  void set_least_mass() { least_mass_ = 1e-12 * ledger_.mass / std::max(1L, n_particles()); }
+
   void take(const TileSums& particles) {
     ledger_.kinetic = particles.kinetic;
     ledger_.potential = particles.potential;
     ledger_.momentum = particles.momentum;
     ledger_.mass = particles.mass;
     ledger_.max_speed = std::sqrt(particles.particle_speed2);
-    least_mass_ = 1e-12 * particles.mass / std::max(1L, n_particles());
+    set_least_mass();
   }
 
   bool inside(const FourPlaces<Dim>& x_in_cells) const {
@@ -420,6 +430,18 @@ class Stepper final : public Simulation {
                                    ledger_.dt, describe(body, i)));
       }
     throw RunError(what);
+  }
+
+  // ---- to stop and go on -------------------------------------------------------------------------------------------
+
+  /// What the next step takes from those before, beside particles, their arrangement, ledger and tally.
+  template <class Self>
+  static auto carried_by(Self& s) {
+    return std::array{&s.drift_, &s.wave_speed_, &s.viscosity_, &s.last_dt_};
+  }
+
+  void give_all_momentum() {
+    over_tiles([&](int t, int, TileSums&) { give_momentum(t); });
   }
 
   /// Distance in cells that a particle may go before particles are put in cell order again. Below half a cell, beyond
@@ -469,6 +491,70 @@ Observation Stepper<Dim, Shape>::observe() {
     observe_body(body, number++, rates, n_particles(), seen);
   }
   return seen;
+}
+
+template <int Dim, class Shape>
+void Stepper<Dim, Shape>::save(const TakeNumbers& take) const {
+  take("ledger", image_of(ledger_));
+  take("tally", image_of(tally_));
+  std::vector<double> carried;
+  for (const double* value : carried_by(*this)) carried.push_back(*value);
+  take("carried", carried);
+  std::vector<double> tiles;  // place, first and last cell of every occupied one
+  for (std::size_t t = 0; t < grid_.cells().size(); ++t)
+    for (const Index<Dim>& corner : {grid_.tile(int(t)).place, grid_.cells()[t].low, grid_.cells()[t].high})
+      for (int a = 0; a < Dim; ++a) tiles.push_back(corner[a]);
+  take("tiles", tiles);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    std::vector<double> begins;
+    for (const TileParticles& tile : bodies_[b].tiles) begins.push_back(tile.begin);
+    take(fmt::format("body {}: first particles of tiles", b), begins);
+    const auto& p = bodies_[b].particles;
+    for (const ParticleField& f : particle_fields<Dim>(p.n_state()))
+      for (int k = 0; k < f.components; ++k)
+        take(fmt::format("body {}: {} {}", b, f.name, k), {p.columns().column(f.first + k), std::size_t(p.size())});
+  }
+}
+
+template <int Dim, class Shape>
+void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
+  const auto given = [&](const std::string& name, std::size_t n) {
+    std::vector<double> values = give(name);
+    if (values.size() != n)
+      throw std::runtime_error(fmt::format("`{}` has {} numbers, not {}", name, values.size(), n));
+    return values;
+  };
+  set_from_image(ledger_, given("ledger", image_of(ledger_).size()));
+  set_from_image(tally_, given("tally", image_of(tally_).size()));
+  const auto into = carried_by(*this);
+  const std::vector<double> carried = given("carried", into.size());
+  for (std::size_t i = 0; i < into.size(); ++i) *into[i] = carried[i];
+
+  // The tiles as they were: which they are, and in what order they are added up, was decided when particles were last
+  // put in order.
+  const std::vector<double> tiles = give("tiles");
+  const std::size_t n_tiles = tiles.size() / (3 * Dim);
+  std::vector<Index<Dim>> places(n_tiles);
+  std::vector<typename Grid<Dim, Shape>::CellRange> cells(n_tiles);
+  for (std::size_t t = 0, i = 0; t < n_tiles; ++t)
+    for (Index<Dim>* corner : {&places[t], &cells[t].low, &cells[t].high})
+      for (int a = 0; a < Dim; ++a) (*corner)[a] = int(tiles[i++]);
+  grid_.arrange(places, cells);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    auto& p = bodies_[b].particles;
+    const std::vector<double> begins = given(fmt::format("body {}: first particles of tiles", b), n_tiles);
+    bodies_[b].tiles.resize(n_tiles);
+    for (std::size_t t = 0; t < n_tiles; ++t)
+      bodies_[b].tiles[t] = {int(begins[t]), t + 1 < n_tiles ? int(begins[t + 1]) : p.size()};
+    for (const ParticleField& f : particle_fields<Dim>(p.n_state()))
+      for (int k = 0; k < f.components; ++k) {
+        const std::vector<double> values = given(fmt::format("body {}: {} {}", b, f.name, k), std::size_t(p.size()));
+        std::copy(values.begin(), values.end(), p.columns().column(f.first + k));
+      }
+  }
+  settle_on_grid();
+  set_least_mass();
+  give_all_momentum();
 }
 
 template <int Dim, class Shape>

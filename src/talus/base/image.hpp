@@ -1,0 +1,26 @@
+#pragma once
+/// Plain structs as rows of numbers, bit for bit.
+
+#include <cstring>
+#include <type_traits>
+#include <vector>
+
+namespace talus {
+
+/// The bytes of a plain struct, eight at a time: all members that it has, or gets one day.
+template <class Plain>
+std::vector<double> image_of(const Plain& plain) {
+  static_assert(std::is_trivially_copyable_v<Plain> && sizeof(Plain) % sizeof(double) == 0);
+  std::vector<double> image(sizeof(Plain) / sizeof(double));
+  std::memcpy(image.data(), &plain, sizeof(Plain));
+  return image;
+}
+
+/// `plain` becomes what the image was taken of; the image has as many numbers as its own.
+template <class Plain>
+void set_from_image(Plain& plain, const std::vector<double>& image) {
+  static_assert(std::is_trivially_copyable_v<Plain> && sizeof(Plain) % sizeof(double) == 0);
+  std::memcpy(static_cast<void*>(&plain), image.data(), sizeof(Plain));
+}
+
+}  // namespace talus
