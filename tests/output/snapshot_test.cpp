@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 
+#include <csignal>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -86,9 +89,47 @@ TEST_F(Snapshots, TheSeriesListsFilesWithTheirTimes) {
   EXPECT_THROW(read_series(folder_ / "no.series"), std::runtime_error);
 }
 
+TEST_F(Snapshots, ASeriesThatGoesOnKeepsItsOwnAndRemovesOnlySnapshotsThatCameAfter) {
+  {
+    SnapshotSeries series(folder_, {"p"});
+    for (int i = 0; i < 3; ++i) series.add(two_particles());
+    series.finish();
+  }
+  for (const char* name : {"particles_0007.hdf.unfinished", "particles_0007_mine.hdf", "mine.hdf"})
+    std::ofstream(folder_ / name) << "x";
+  SnapshotSeries series(folder_, {"p"}, {0.25, 0.25});
+  const auto is_there = [&](const char* name) { return fs::exists(folder_ / name); };
+  EXPECT_TRUE(is_there("particles_0000.hdf") && is_there("particles_0001.hdf"));
+  EXPECT_TRUE(is_there("particles_0007_mine.hdf") && is_there("mine.hdf"));
+  EXPECT_FALSE(is_there("particles_0002.hdf") || is_there("particles_0007.hdf.unfinished"));
+  std::ifstream file(series.series_file());
+  EXPECT_EQ(nlohmann::json::parse(file)["files"].size(), 2u);
+  series.add(two_particles());
+  series.finish();
+  EXPECT_EQ(series.last().filename(), "particles_0002.hdf");
+  EXPECT_EQ(series.size(), 3);
+}
+
 TEST_F(Snapshots, AFileThatCannotBeWrittenIsAnErrorAndLeavesNothingBehind) {
   EXPECT_THROW(write_snapshot(folder_ / "no" / "such" / "a.hdf", two_particles(), {"p"}), std::runtime_error);
   EXPECT_TRUE(fs::is_empty(folder_));
+}
+
+TEST_F(Snapshots, AFullDiskIsAnErrorAndLeavesNothingBehind) {
+  // A limit on the size of files stands for the full disk.
+  const auto write = [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4096, 4096};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    try {
+      write_snapshot(folder_ / "a.hdf", two_particles(), {"velocity", "stress", "p"});
+    } catch (const std::runtime_error& e) {
+      std::fprintf(stderr, "%s", e.what());
+      std::exit(fs::is_empty(folder_) ? 0 : 1);  // HDF5 tidies up
+    }
+    std::exit(2);
+  };
+  EXPECT_EXIT(write(), testing::ExitedWithCode(0), "a.hdf cannot be written: File too large");
 }
 
 TEST_F(Snapshots, NoParticlesMakeAnEmptyFileNotACrash) {

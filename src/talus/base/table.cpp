@@ -4,9 +4,9 @@
 #include <muParser.h>
 
 #include <algorithm>
+#include <charconv>
 #include <fstream>
 #include <limits>
-#include <sstream>
 #include <stdexcept>
 
 #include "talus/base/text.hpp"
@@ -22,16 +22,20 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
   std::ifstream file(path);
   if (!file) throw std::runtime_error(fmt::format("{} cannot be read", path));
   NumberTable table;
-  std::string line, cell;
+  std::string line;
   int chosen = -1, number = 0;
   while (std::getline(file, line)) {
     ++number;
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#') continue;
-    std::vector<std::string> cells;
-    for (std::istringstream text(line); std::getline(text, cell, ',');) cells.push_back(cell);
+    std::vector<std::string_view> cells;
+    for (std::string_view rest = line; !rest.empty();) {
+      const std::size_t comma = std::min(rest.find(','), rest.size());
+      cells.push_back(rest.substr(0, comma));
+      rest.remove_prefix(std::min(comma + 1, rest.size()));
+    }
     if (table.names.empty()) {
-      table.names = cells;
+      table.names.assign(cells.begin(), cells.end());
       if (!where.empty()) {
         chosen = table.column(where);
         if (chosen < 0) throw std::runtime_error(fmt::format("{} has no column `{}`", path, where));
@@ -43,16 +47,16 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
           fmt::format("{}:{}: {} cells, but {} columns", path, number, cells.size(), table.names.size()));
     if (chosen >= 0 && cells[chosen] != is) continue;
     std::vector<double> row;
-    for (const std::string& c : cells) {
-      std::istringstream text(c);
-      double value = 0;
-      row.push_back(text >> value ? value : std::numeric_limits<double>::quiet_NaN());
+    for (std::string_view c : cells) {
+      c.remove_prefix(std::min(c.find_first_not_of(" +"), c.size()));
+      double value;
+      const bool is_number = std::from_chars(c.data(), c.data() + c.size(), value).ec == std::errc();
+      row.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
     }
     table.rows.push_back(std::move(row));
   }
-  if (table.rows.empty())
-    throw std::runtime_error(where.empty() ? fmt::format("{} holds no rows", path)
-                                           : fmt::format("{} holds no rows with {} = {}", path, where, is));
+  if (table.rows.empty() && !where.empty())
+    throw std::runtime_error(fmt::format("{} holds no rows with {} = {}", path, where, is));
   return table;
 }
 

@@ -93,7 +93,9 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
   s.close("measurements");
   if (file.empty()) return std::nullopt;
   try {
-    return read_csv((fs::path(folder) / file).string(), where, is);
+    NumberTable table = read_csv((fs::path(folder) / file).string(), where, is);
+    if (table.rows.empty()) throw std::runtime_error(file + " holds no rows");
+    return table;
   } catch (const std::runtime_error& e) {
     s.complain(e.what());
     return std::nullopt;

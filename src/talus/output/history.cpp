@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <stdexcept>
 
 namespace talus {
@@ -54,18 +56,31 @@ std::vector<Column> columns_for(int dim) {
 
 }  // namespace
 
-History::History(const std::filesystem::path& file, int dim) : dim_(dim), file_(file) {
+History::History(const std::filesystem::path& file, int dim, long bytes) : dim_(dim), path_(file), bytes_(bytes) {
   for (const Column& c : columns_for(dim)) columns_.push_back(c.name);
-  file_ << fmt::format("{}\n", fmt::join(columns_, ","));
-  if (!file_.flush()) throw std::runtime_error("cannot write " + file.string());
+  if (bytes > 0) {
+    std::error_code failure;
+    if (!(std::filesystem::file_size(file, failure) >= std::uintmax_t(bytes)) || failure)
+      throw std::runtime_error(fmt::format(
+          "{} is shorter than it was when the checkpoint was made; the run cannot go on from there", file.string()));
+    std::filesystem::resize_file(file, std::uintmax_t(bytes));
+  }
+  file_.open(file, bytes > 0 ? std::ios::app : std::ios::trunc);
+  if (bytes == 0) write(fmt::format("{}\n", fmt::join(columns_, ",")));
+}
+
+void History::write(const std::string& line) {
+  errno = 0;
+  file_ << line;
+  if (!file_.flush())
+    throw std::runtime_error(fmt::format("{} cannot be written: {}", path_.string(), std::strerror(errno)));
+  bytes_ += long(line.size());
 }
 
 void History::add(const Ledger& ledger, const Outline& outline) {
   std::vector<double> row;
   for (const Column& c : columns_for(dim_)) row.push_back(c.value(ledger, outline));
-  file_ << fmt::format("{:.10g}\n", fmt::join(row, ","));
-  if (!file_.flush()) throw std::runtime_error("history.csv cannot be written; is the disk full?");
-  rows_.push_back(std::move(row));
+  write(fmt::format("{:.10g}\n", fmt::join(row, ",")));
 }
 
 int History::column(const std::string& name) const {

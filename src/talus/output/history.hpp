@@ -14,20 +14,25 @@ namespace talus {
 
 class History {
  public:
-  /// Creates the file and writes its header: column names with units.
-  History(const std::filesystem::path& file, int dim);
+  /// Creates the file and writes its header, column names with units; or goes on after the first `bytes` of what it
+  /// holds. Throws std::runtime_error, as does `add`, if it cannot be written.
+  History(const std::filesystem::path& file, int dim, long bytes = 0);
   void add(const Ledger& ledger, const Outline& outline);
 
   const std::vector<std::string>& columns() const { return columns_; }
   /// Number of a column, by its name with unit.
   int column(const std::string& name) const;
-  const std::vector<std::vector<double>>& rows() const { return rows_; }
+  /// Length of the file.
+  long bytes() const { return bytes_; }
 
  private:
+  void write(const std::string& line);
+
   int dim_;
+  std::filesystem::path path_;
   std::vector<std::string> columns_;
-  std::vector<std::vector<double>> rows_;
   std::ofstream file_;
+  long bytes_;
 };
 
 /// What of a history is drawn: fronts, height, energies, time step, separated particles.

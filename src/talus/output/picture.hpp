@@ -20,30 +20,23 @@ struct Picture {
 /// stay in the folder.
 class PictureBook {
  public:
-  PictureBook(std::filesystem::path folder, const Case& what);
+  /// `times` are those of the instants that are there already [s].
+  PictureBook(std::filesystem::path folder, const Case& what, std::vector<double> times = {});
   void add(const Observation& seen);
   /// Draws everything. Empty if there is no gnuplot or nothing was added.
-  std::vector<Picture> draw();
+  std::vector<Picture> draw() const;
+  /// Of the instants that were added [s].
+  const std::vector<double>& times() const { return times_; }
+  std::filesystem::path instant(int number) const;
 
  private:
-  struct Instant {
-    double time;
-    std::string file;
-  };
-  struct Shown {
-    std::string name, title, label;
-    bool present = false;
-    std::vector<float> values;  ///< of all instants, for the scale
-  };
-
   std::filesystem::path folder_;
   int dim_;
   double cell_;
   std::string title_;
-  double low_[2], high_[2];  ///< extent of what is shown [m]
-  double slice_ = 0;         ///< place of the slice along y [m]
-  std::vector<Instant> instants_;
-  std::vector<Shown> shown_;
+  double floor_;  ///< lower side of the domain [m]
+  double slice_;  ///< place of the slice along y [m]
+  std::vector<double> times_;
 };
 
 }  // namespace talus

@@ -12,6 +12,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "talus/base/file.hpp"
+
 extern char** environ;
 
 namespace talus {
@@ -68,7 +70,7 @@ std::string even_palette() {
 
 bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart) {
   const std::filesystem::path script = folder / (chart.name + ".gp");
-  std::ofstream out(script);
+  std::ostringstream out;
   out << "set terminal svg size 640,400 font 'sans,12' background '#ffffff'\n"
       << "set output " << gnuplot_text(chart.name + ".svg") << "\n"
       << "set encoding utf8\nset datafile separator ','\nset key outside bottom center horizontal\nset grid lc "
@@ -82,7 +84,7 @@ bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path
                                 chart.x_scale, chart.curves[i].column, chart.y_scale, line_colour(int(i)),
                                 gnuplot_text(chart.curves[i].label)));
   out << "plot " << fmt::format("{}", fmt::join(plots, ", \\\n     ")) << "\n";
-  out.close();
+  write_whole(script, out.str());
   return run_gnuplot(script);
 }
 

@@ -5,9 +5,11 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <fstream>
+#include <cstdio>
 #include <numeric>
 #include <stdexcept>
+
+#include "talus/base/file.hpp"
 
 namespace talus {
 
@@ -54,6 +56,7 @@ void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, con
     H5Pset_shuffle(properties);
     H5Pset_deflate(properties, 1);
   }
+  H5Pset_obj_track_times(properties, false);  // the same numbers make the same file
   const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
                    "make a dataset");
   if (!values.empty()) check(H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
@@ -63,8 +66,13 @@ void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, con
   }
 }
 
-void write_file(const std::filesystem::path& path, const Observation& seen, const std::vector<std::string>& names) {
-  const Handle file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, "create the file");
+/// The bytes of the file. It is made in memory: once HDF5 has failed to write to a disk, it crashes when the program
+/// ends.
+std::string file_of(const Observation& seen, const std::vector<std::string>& names) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make properties");
+  constexpr std::size_t growth = 1 << 20;
+  check(H5Pset_fapl_core(access, growth, false), "keep a file in memory");
+  const Handle file(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file");
   const Handle root(H5Gcreate2(file, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   {
     const hsize_t two = 2;
@@ -96,6 +104,10 @@ void write_file(const std::filesystem::path& path, const Observation& seen, cons
   write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time}, 1);
   write_dataset(run, "step", H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{seen.step}, 1);
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  std::string bytes(std::size_t(std::max<ssize_t>(size, 0)), ' ');
+  check(H5Fget_file_image(file, bytes.data(), bytes.size()) > 0 ? 0 : -1, "hand out the file");
+  return bytes;
 }
 
 std::string read_text_attribute(hid_t object, const char* name) {
@@ -174,29 +186,45 @@ std::vector<std::filesystem::path> read_series(const std::filesystem::path& seri
 void write_snapshot(const std::filesystem::path& file, const Observation& seen,
                     const std::vector<std::string>& fields) {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
-  std::filesystem::path unfinished = file;
-  unfinished += ".unfinished";
-  try {
-    write_file(unfinished, seen, fields);
-    std::filesystem::rename(unfinished, file);
-  } catch (const std::exception& e) {
-    std::error_code ignored;
-    std::filesystem::remove(unfinished, ignored);
-    throw std::runtime_error(fmt::format("the snapshot {} could not be written: {}", file.string(), e.what()));
+  write_whole(file, file_of(seen, fields));
+}
+
+SnapshotSeries::SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields, std::vector<double> times)
+    : folder_(std::move(folder)), fields_(std::move(fields)), times_(std::move(times)) {
+  std::vector<std::filesystem::path> later;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    const std::string name = entry.path().filename();
+    int number;
+    if (std::sscanf(name.c_str(), "particles_%d", &number) != 1 || number < size()) continue;
+    const std::string own = file(number).filename();
+    if (name == own || name == own + ".unfinished") later.push_back(entry.path());
   }
+  for (const auto& path : later) std::filesystem::remove(path);
+  if (times_.empty())
+    std::filesystem::remove(series_file());
+  else
+    write_whole(series_file(), list());
+}
+
+std::filesystem::path SnapshotSeries::file(int number) const {
+  return folder_ / fmt::format("particles_{:04d}.hdf", number);
+}
+
+std::string SnapshotSeries::list() const {
+  nlohmann::json series;
+  series["file-series-version"] = "1.0";
+  for (int i = 0; i < size(); ++i)
+    series["files"].push_back({{"name", file(i).filename().string()}, {"time", times_[i]}});
+  return series.dump(1) + "\n";
 }
 
 void SnapshotSeries::add(Observation seen) {
   finish();
-  files_.push_back(fmt::format("particles_{:04d}.hdf", files_.size()));
   times_.push_back(seen.time);
-  nlohmann::json series;
-  series["file-series-version"] = "1.0";
-  for (std::size_t i = 0; i < files_.size(); ++i) series["files"].push_back({{"name", files_[i]}, {"time", times_[i]}});
-  writing_ = std::async(std::launch::async, [file = folder_ / files_.back(), seen = std::move(seen), fields = fields_,
-                                             list = series_file(), text = series.dump(1)] {
+  writing_ = std::async(std::launch::async, [file = last(), seen = std::move(seen), fields = fields_,
+                                             series = series_file(), text = list()] {
     write_snapshot(file, seen, fields);
-    std::ofstream(list) << text << '\n';
+    write_whole(series, text);
   });
 }
 

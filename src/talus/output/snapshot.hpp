@@ -29,23 +29,27 @@ std::vector<std::filesystem::path> read_series(const std::filesystem::path& seri
 /// while the run goes on; the next one waits for it, and brings its errors.
 class SnapshotSeries {
  public:
-  /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series.
-  SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields)
-      : folder_(std::move(folder)), fields_(std::move(fields)) {}
+  /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series. `times` are those of the snapshots that are
+  /// there already [s]; others, from another run or one that has gone further, are removed.
+  SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields, std::vector<double> times = {});
   void add(Observation seen);
   /// Waits until the last one is written. HDF5 must not be used elsewhere before.
   void finish() {
     if (writing_.valid()) writing_.get();
   }
   /// The last file, once it is finished; empty if there is none.
-  std::filesystem::path last() const { return files_.empty() ? std::filesystem::path() : folder_ / files_.back(); }
+  std::filesystem::path last() const { return times_.empty() ? std::filesystem::path() : file(size() - 1); }
+  std::filesystem::path file(int number) const;
   std::filesystem::path series_file() const { return folder_ / "particles.hdf.series"; }
-  int size() const { return int(files_.size()); }
+  int size() const { return int(times_.size()); }
+  const std::vector<double>& times() const { return times_; }
 
  private:
+  /// What the series file says.
+  std::string list() const;
+
   std::filesystem::path folder_;
   std::vector<std::string> fields_;
-  std::vector<std::string> files_;
   std::vector<double> times_;
   std::future<void> writing_;  ///< last member: its destructor waits
 };

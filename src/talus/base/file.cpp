@@ -1,0 +1,100 @@
+#include "talus/base/file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "talus/base/error.hpp"
+
+namespace talus {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void refuse_to_write(const fs::path& file) {
+  throw std::runtime_error(fmt::format("{} cannot be written: {}", file.string(), std::strerror(errno)));
+}
+
+}  // namespace
+
+std::string contents_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (!in) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
+  return std::move(text).str();
+}
+
+WholeFile::WholeFile(fs::path file) : file_(std::move(file)), unfinished_(file_) {
+  unfinished_ += ".unfinished";
+  descriptor_ = ::open(unfinished_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail();
+}
+
+WholeFile::~WholeFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  std::error_code ignored;
+  fs::remove(unfinished_, ignored);
+}
+
+void WholeFile::fail() const { refuse_to_write(file_); }
+
+void WholeFile::write(const void* bytes, std::size_t n) {
+  for (const char* p = static_cast<const char*>(bytes); n > 0;) {
+    const ssize_t written = ::write(descriptor_, p, n);
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail();
+    p += written;
+    n -= std::size_t(written);
+  }
+}
+
+void WholeFile::finish() {
+  const int descriptor = descriptor_;
+  descriptor_ = -1;
+  if (::close(descriptor) != 0 || std::rename(unfinished_.c_str(), file_.c_str()) != 0) fail();
+}
+
+void WholeFile::finish_on_disk() {
+  if (::fsync(descriptor_) != 0) fail();
+  finish();
+  put_on_disk(file_.has_parent_path() ? file_.parent_path() : fs::path("."));
+}
+
+void write_whole(const fs::path& file, std::string_view text) {
+  WholeFile whole(file);
+  whole.write(text.data(), text.size());
+  whole.finish();
+}
+
+void put_on_disk(const fs::path& file) {
+  const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) refuse_to_write(file);
+  const int failed = ::fsync(descriptor);
+  const int why = errno;
+  ::close(descriptor);
+  errno = why;
+  if (failed != 0 && why != EINVAL) refuse_to_write(file);  // EINVAL: the file system has nothing to put anywhere
+}
+
+FolderLock::FolderLock(const fs::path& folder) : descriptor_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC)) {
+  // File systems that know no locks have none of our trust to lose.
+  if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(descriptor_);
+    throw InputError(fmt::format("another run is writing into {}", folder.string()));
+  }
+}
+
+FolderLock::~FolderLock() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+}  // namespace talus

@@ -1,0 +1,55 @@
+#pragma once
+/// Files that are written whole or not at all.
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace talus {
+
+/// What a file holds. Throws std::runtime_error if it cannot be read.
+std::string contents_of(const std::filesystem::path& file);
+
+/// A file that is called NAME.unfinished until it is whole. All functions throw std::runtime_error, with the file and
+/// the system's reason, where something cannot be written.
+class WholeFile {
+ public:
+  explicit WholeFile(std::filesystem::path file);
+  /// Removes what was not finished.
+  ~WholeFile();
+  WholeFile(const WholeFile&) = delete;
+  WholeFile& operator=(const WholeFile&) = delete;
+
+  void write(const void* bytes, std::size_t n);
+  /// Gives the file its name, in place of an older one.
+  void finish();
+  /// The same once all of it is on the disk, so that it outlasts a power cut.
+  void finish_on_disk();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path file_, unfinished_;
+  int descriptor_;
+};
+
+/// Writes a text as a whole file.
+void write_whole(const std::filesystem::path& file, std::string_view text);
+
+/// Waits until a file is on the disk.
+void put_on_disk(const std::filesystem::path& file);
+
+/// Keeps other runs out of a folder while it lives.
+class FolderLock {
+ public:
+  /// Throws InputError if another run of talus is writing there.
+  explicit FolderLock(const std::filesystem::path& folder);
+  ~FolderLock();
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int descriptor_;
+};
+
+}  // namespace talus
