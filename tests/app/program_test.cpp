@@ -1,14 +1,12 @@
 /// The program as its users meet it: what it prints, what it writes, how it ends.
 
+#include "app/program.hpp"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "folder_of_its_own.hpp"
 
@@ -16,24 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Finished {
-  int code;
-  std::string output;  ///< both streams
-};
-Finished talus(const std::string& arguments, const std::string& environment = "") {
-  FILE* pipe = ::popen((environment + " " TALUS_PROGRAM " " + arguments + " 2>&1").c_str(), "r");
-  std::string output;
-  std::array<char, 4096> buffer;
-  for (std::size_t n; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) output.append(buffer.data(), n);
-  const int status = ::pclose(pipe);
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
-}
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-std::string contents(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
+using program::contents, program::Finished, program::has, program::talus;
 
 class Program : public talus::FolderOfItsOwn {
  protected:

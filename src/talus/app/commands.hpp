@@ -5,15 +5,17 @@
 
 namespace talus {
 
-inline constexpr int exit_input = 2;   ///< the input is not right
-inline constexpr int exit_failed = 3;  ///< the run broke
+inline constexpr int exit_input = 2;     ///< the input is not right
+inline constexpr int exit_failed = 3;    ///< the run broke, or its results could not be written
+inline constexpr int exit_signal = 128;  ///< and the number of the signal that stopped a run: 130 Ctrl-C, 143 SIGTERM
 
 struct RunOptions {
-  std::string case_file;
-  std::string out;    ///< folder for results; empty: out/NAME
-  int threads = 0;    ///< 0: as many as there are processors
-  std::string until;  ///< such as "0.1 s"; empty: the case's own end
+  std::string case_file;  ///< or, with `resume`, the folder with the run's results
+  std::string out;        ///< folder for results; empty: out/NAME
+  int threads = 0;        ///< 0: as many as there are processors
+  std::string until;      ///< such as "0.1 s"; empty: the case's own end
   bool overwrite = false;
+  bool resume = false;  ///< go on from the last checkpoint
 };
 int run_case(const RunOptions& options);
 

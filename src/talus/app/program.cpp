@@ -32,11 +32,22 @@ int talus_program(int argc, char** argv) {
 
   talus::RunOptions run;
   CLI::App* run_command = app.add_subcommand("run", "run a case and write its results");
-  run_command->add_option("CASE", run.case_file, "case file (TOML)")->required();
+  run_command->add_option("CASE", run.case_file, "case file (TOML); with --resume the folder of its results will do")
+      ->required();
   run_command->add_option("--out", run.out, "folder for the results [out/CASE]");
   run_command->add_option("--threads", run.threads, "threads [all processors]")->check(CLI::Range(1, 4096));
   run_command->add_option("--until", run.until, "stop at this simulated time, such as \"0.1 s\"");
-  run_command->add_flag("--overwrite", run.overwrite, "write into a folder that holds results already");
+  CLI::Option* overwrite =
+      run_command->add_flag("--overwrite", run.overwrite, "write into a folder that holds results already");
+  run_command
+      ->add_flag(
+          "--resume", run.resume,
+          "go on from the last checkpoint, by the same bits as if the run had not stopped; from the beginning if "
+          "there are no results yet; with --until beyond the end")
+      ->excludes(overwrite);
+  run_command->footer(
+      "A run writes a checkpoint every 10 minutes ([output] checkpoint_wall, checkpoints), at its end, and when Ctrl-C "
+      "or SIGTERM stops it (exit code 130 or 143; a second one stops it at once).");
 
   std::string check_file;
   int check_threads = 0;

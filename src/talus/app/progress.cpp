@@ -19,18 +19,26 @@ std::string duration_in_words(double seconds) {
   return fmt::format("{}:{:02} h", s / 3600, s / 60 % 60);
 }
 
-Progress::Progress(double end)
-    : end_(end), live_(isatty(STDERR_FILENO)), start_(std::chrono::steady_clock::now()), last_shown_(start_) {}
+Progress::Progress(double end, const Ledger& from)
+    : end_(end),
+      from_time_(from.time),
+      from_step_(from.step),
+      live_(isatty(STDERR_FILENO)),
+      start_(std::chrono::steady_clock::now()),
+      last_shown_(start_) {}
 
 double Progress::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
+double Progress::speed(const Ledger& ledger, long n_particles) const {
+  return 1e-6 * double(n_particles) * double(ledger.step - from_step_) / std::max(seconds(), 1e-9);
+}
+
 std::string Progress::line(const Ledger& l, long n_particles) const {
-  const double spent = seconds(), left = l.time > 0 ? spent * (end_ - l.time) / l.time : INFINITY;
+  const double done = l.time - from_time_, left = done > 0 ? seconds() * (end_ - l.time) / done : INFINITY;
   return fmt::format("t = {:.4f} of {:.4g} s   step {}   {:.2f} M particle-steps/s   {} left", l.time, end_, l.step,
-                     1e-6 * double(n_particles) * double(l.step) / std::max(spent, 1e-9),
-                     duration_in_words(std::max(0.0, left)));
+                     speed(l, n_particles), duration_in_words(std::max(0.0, left)));
 }
 
 void Progress::show(const Ledger& ledger, long n_particles) {
@@ -45,8 +53,7 @@ void Progress::show(const Ledger& ledger, long n_particles) {
 
 void Progress::finish(const Ledger& ledger, long n_particles) {
   fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.2f} M particle-steps/s   took {}\n", live_ ? to_line_start : "",
-             ledger.time, ledger.step, 1e-6 * double(n_particles) * double(ledger.step) / std::max(seconds(), 1e-9),
-             duration_in_words(seconds()));
+             ledger.time, ledger.step, speed(ledger, n_particles), duration_in_words(seconds()));
 }
 
 }  // namespace talus

@@ -10,7 +10,8 @@ namespace talus {
 
 class Progress {
  public:
-  explicit Progress(double end);
+  /// For a run that goes from where the ledger stands to the time `end` [s].
+  Progress(double end, const Ledger& from);
   /// To be called every step; prints when it is time to.
   void show(const Ledger& ledger, long n_particles);
   /// Ends the live line.
@@ -19,8 +20,11 @@ class Progress {
 
  private:
   std::string line(const Ledger& ledger, long n_particles) const;
+  /// Million particle-steps a second.
+  double speed(const Ledger& ledger, long n_particles) const;
 
-  double end_;
+  double end_, from_time_;
+  long from_step_;
   bool live_;
   std::chrono::steady_clock::time_point start_, last_shown_;
 };

@@ -1,15 +1,16 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 
 #include "talus/app/commands.hpp"
+#include "talus/app/interrupt.hpp"
 #include "talus/app/progress.hpp"
+#include "talus/app/task.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
-#include "talus/base/units.hpp"
-#include "talus/case/read.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/plot.hpp"
 #include "talus/output/report.hpp"
@@ -17,118 +18,129 @@
 
 namespace talus {
 
-namespace {
-
 namespace fs = std::filesystem;
 
-std::string contents(const std::string& file) {
-  std::ostringstream text;
-  text << std::ifstream(file, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-double end_time(const RunOptions& options, const Case& what) {
-  if (options.until.empty()) return what.end;
-  const auto until = to_si(options.until, "s");
-  if (const auto* why = std::get_if<std::string>(&until))
-    throw InputError(fmt::format("--until {} {}{}", options.until, why->rfind("not ", 0) == 0 ? "is " : "", *why));
-  if (!(std::get<double>(until) > 0)) throw InputError("--until must be greater than 0");
-  return std::get<double>(until);
-}
-
-fs::path results_folder(const RunOptions& options) {
-  const fs::path folder =
-      options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem() : fs::path(options.out);
-  if (fs::exists(folder / "history.csv") && !options.overwrite)
-    throw InputError(
-        fmt::format("{} holds results already; give another folder with --out, or --overwrite", folder.string()));
-  std::error_code failure;
-  fs::create_directories(folder, failure);
-  if (failure) throw InputError(fmt::format("the folder {} cannot be made: {}", folder.string(), failure.message()));
-  // Snapshots of an earlier run must not be taken for this one's.
-  for (const auto& entry : fs::directory_iterator(folder))
-    if (entry.path().extension() == ".hdf") fs::remove(entry.path());
-  return folder;
-}
-
-/// When something is due that happens at regular instants: at the first step at or after each.
-class Schedule {
- public:
-  explicit Schedule(double interval) : interval_(interval) {}
-  bool due(double time) {
-    if (time < next_ * interval_ * (1 - 1e-12)) return false;
-    next_ = std::floor(time / interval_ * (1 + 1e-12)) + 1;
-    return true;
-  }
-
- private:
-  double interval_, next_ = 0;
-};
-
-}  // namespace
-
 int run_case(const RunOptions& options) {
-  CaseFile input = read_case(options.case_file);
-  Case& what = input.what;
-  what.end = end_time(options, what);
+  Task task = understand(options);
+  Case& what = task.input.what;
+  what.end = end_of(task, options);
   std::erase_if(what.output.pictures, [&](double t) { return t > what.end; });
 
   const auto loop = make_openmp(options.threads);
   const auto simulation = make_simulation(what, *loop);
-  const fs::path folder = results_folder(options);
   RunSummary run;
-  run.case_file = options.case_file;
-  run.case_text = contents(options.case_file);
-  run.understood = input.understood;
+  run.case_file = task.case_file;
+  run.case_text = task.case_text;
+  run.understood = task.input.understood;
   run.n_particles = simulation->n_particles();
   run.n_threads = loop->n_workers();
-  std::ofstream(folder / "case.toml") << run.case_text;
-
   const OutlineFinder outlines(what, simulation->places());
-  History history(folder / "history.csv", what.dim);
-  SnapshotSeries snapshots(folder, what.output.fields);
-  PictureBook pictures(folder / "pictures", what);
-  Schedule snapshot_times(what.output.snapshots), history_times(what.output.history);
+  run.start = outlines.find(simulation->places().places);
+
+  RunSoFar so_far;
+  if (task.saved) {
+    so_far = task.saved->so_far;
+    task.saved->restore(*simulation);
+    task.saved->state.clear();                // as large as the particles
+    fs::remove(task.folder / "failure.hdf");  // is written again if the run breaks again
+    if (so_far.time < what.end) so_far.resumed_at.push_back(so_far.time);
+  } else {
+    take_over(task, options);
+    so_far.case_file = task.case_file;
+    so_far.case_text = task.case_text;
+    so_far.next_snapshot.interval = what.output.snapshots;
+    so_far.next_row.interval = what.output.history;
+  }
+  so_far.end = what.end;
+  const fs::path& folder = task.folder;
+  const std::string how_to_go_on = command_to_resume(folder, options.threads);
+  Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
+  if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
+  History history(folder / "history.csv", what.dim, so_far.history_bytes);
+  SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
+  PictureBook pictures(folder / "pictures", what, so_far.instants);
   std::vector<double> picture_times = what.output.pictures;
   std::sort(picture_times.begin(), picture_times.end());
+  std::erase_if(picture_times, [&](double t) { return !so_far.instants.empty() && t <= so_far.instants.back(); });
 
+  const double cpu_before = cpu_seconds(), wall_earlier = so_far.wall_seconds, cpu_earlier = so_far.cpu_seconds;
+  Progress progress(what.end, simulation->ledger());
+  const auto is_at_end = [&] { return simulation->ledger().time >= what.end; };
+
+  /// Writes what is due now, once; `last` takes the last row and snapshot whether they are due or not.
   const auto record_instant = [&](bool last) {
     const double t = simulation->ledger().time;
-    const bool snapshot = snapshot_times.due(t) || last;
     bool picture = false;
-    while (!picture_times.empty() && (t >= picture_times.front() || last)) {
+    while (!picture_times.empty() && t >= picture_times.front()) {
       picture = true;
       picture_times.erase(picture_times.begin());
     }
-    if (history_times.due(t) || last) history.add(simulation->ledger(), outlines.find(simulation->places().places));
+    const bool snapshot = so_far.next_snapshot.due(t) || (last && so_far.next_snapshot.last != t);
+    if (so_far.next_row.due(t) || (last && so_far.next_row.last != t))
+      history.add(simulation->ledger(), outlines.find(simulation->places().places));
     if (!snapshot && !picture) return;
     Observation seen = simulation->observe();
     if (picture) pictures.add(seen);
     if (snapshot) snapshots.add(std::move(seen));
   };
 
+  Schedule checkpoint_times{what.output.checkpoints.value_or(std::numeric_limits<double>::infinity())};
+  checkpoint_times.due(simulation->ledger().time);
+  double last_checkpoint = 0;  // on the clock of `progress`
+  /// A checkpoint, after what it counts on: all that was written before it.
+  const auto save = [&] {
+    snapshots.finish();
+    so_far.time = simulation->ledger().time;
+    so_far.step = simulation->ledger().step;
+    so_far.wall_seconds = wall_earlier + progress.seconds();
+    so_far.cpu_seconds = cpu_earlier + cpu_seconds() - cpu_before;
+    so_far.history_bytes = history.bytes();
+    put_on_disk(folder / "history.csv");
+    for (int i = int(so_far.snapshots.size()); i < snapshots.size(); ++i) put_on_disk(snapshots.file(i));
+    for (int i = int(so_far.instants.size()); i < int(pictures.times().size()); ++i) put_on_disk(pictures.instant(i));
+    so_far.snapshots = snapshots.times();
+    so_far.instants = pictures.times();
+    checkpoints.write(so_far, *simulation);
+    last_checkpoint = progress.seconds();
+  };
+
   fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", what.title, run.n_particles, run.n_threads,
              run.n_threads == 1 ? "" : "s", folder.string());
-  run.start = outlines.find(simulation->places().places);
-  const double cpu_before = cpu_seconds();
-  Progress progress(what.end);
+  if (task.saved) fmt::print(stderr, "goes on from {}\n", checkpoints.last());
+  std::optional<Interrupt> interrupt(std::in_place);
   try {
-    record_instant(false);
-    while (simulation->ledger().time < what.end) {
+    for (;;) {
+      record_instant(false);
+      if (is_at_end() || interrupt->signal()) break;
+      const bool due = checkpoint_times.due(simulation->ledger().time);
+      if (due || progress.seconds() - last_checkpoint >= what.output.checkpoint_wall) save();
       simulation->step();
-      record_instant(simulation->ledger().time >= what.end);
       progress.show(simulation->ledger(), run.n_particles);
     }
+    save();
+    // Rows and snapshots that are due only because the run ends come after the checkpoint: a run that goes on beyond
+    // its end does not have them.
+    if (is_at_end()) record_instant(true);
     snapshots.finish();
   } catch (const RunError& e) {
     snapshots.finish();
     write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
-    run.failure = fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}.", e.what(),
-                              snapshots.last().string(), (folder / "failure.hdf").string());
+    run.failure =
+        fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
+                    e.what(), snapshots.last().string(), (folder / "failure.hdf").string(), checkpoints.last());
+  } catch (const std::exception& e) {
+    throw std::runtime_error(
+        fmt::format("{}\nThe run has stopped at t = {:.6g} s. Its last checkpoint is {}. Once this "
+                    "is mended, go on with\n  {}",
+                    e.what(), simulation->ledger().time, checkpoints.last(), how_to_go_on));
   }
+  const int signal = interrupt->signal();
+  interrupt.reset();
   progress.finish(simulation->ledger(), run.n_particles);
-  run.wall_seconds = progress.seconds();
-  run.cpu_seconds = cpu_seconds() - cpu_before;
+  run.stopped = run.failure.empty() && !is_at_end();
+  run.wall_seconds = wall_earlier + progress.seconds();
+  run.cpu_seconds = cpu_earlier + cpu_seconds() - cpu_before;
+  run.resumed_at = so_far.resumed_at;
   run.ledger = simulation->ledger();
   run.tally = simulation->tally();
   run.end = outlines.find(simulation->places().places);
@@ -137,6 +149,11 @@ int run_case(const RunOptions& options) {
   run.warnings = warnings_of(what, run);
 
   write_record(folder / "record.json", run);
+  if (run.stopped) {
+    fmt::print(stderr, "stopped by {}; the checkpoint is {}. Go on with\n  {}\n",
+               signal == SIGINT ? "Ctrl-C" : "SIGTERM", checkpoints.last(), how_to_go_on);
+    return exit_signal + signal;
+  }
   const std::vector<Picture> drawn = pictures.draw();
   if (!drawn.empty())
     for (const Chart& chart : charts_of(history)) draw_chart(folder / "pictures", folder / "history.csv", chart);

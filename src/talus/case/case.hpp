@@ -92,10 +92,12 @@ struct Numerics {
 };
 
 struct OutputSpec {
-  double snapshots = 0;             ///< interval [s]
-  double history = 0;               ///< interval [s]
-  std::vector<double> pictures;     ///< instants [s]
-  std::vector<std::string> fields;  ///< quantities in snapshots
+  double snapshots = 0;               ///< interval [s]
+  double history = 0;                 ///< interval [s]
+  std::vector<double> pictures;       ///< instants [s]
+  std::vector<std::string> fields;    ///< quantities in snapshots
+  std::optional<double> checkpoints;  ///< interval of simulated time [s]
+  double checkpoint_wall = 600;       ///< interval on the clock [s]
 };
 
 /// A run of the material point method.

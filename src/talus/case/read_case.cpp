@@ -262,6 +262,10 @@ void read_output(Section& root, Case& what) {
         },
         m.law);
   o.fields = s.words("fields", known, {std::begin(usual_fields), std::end(usual_fields)}, "quantities in snapshots");
+  o.checkpoints = s.optional_number(
+      {"checkpoints", "s", Range::positive(), "simulated time between checkpoints, beside those by the clock"});
+  o.checkpoint_wall = s.number({"checkpoint_wall", "s", Range::positive(), "time on the clock between checkpoints"},
+                               OutputSpec{}.checkpoint_wall);
   if (end > 0 && o.snapshots > end) s.complain("snapshots", "is longer than the run");
   if (end > 0 && o.history > end) s.complain("history", "is longer than the run");
   s.close("[output]");

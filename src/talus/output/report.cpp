@@ -8,8 +8,8 @@
 #include <cmath>
 #include <fstream>
 #include <sstream>
-#include <stdexcept>
 
+#include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/output/page.hpp"
@@ -199,7 +199,9 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
     record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
   record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
   const Ledger& l = run.ledger;
-  record["run"] = {{"outcome", run.failure.empty() ? "finished" : "failed"},
+  record["run"] = {{"outcome", !run.failure.empty() ? "failed"
+                               : run.stopped        ? "stopped"
+                                                    : "finished"},
                    {"failure", run.failure},
                    {"particles", run.n_particles},
                    {"steps", l.step},
@@ -212,6 +214,7 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                     run.cpu_seconds > 0 ? double(run.n_particles) * double(l.step) / run.cpu_seconds : 0},
                    {"bytes_per_particle", run.n_particles > 0 ? double(run.bytes) / double(run.n_particles) : 0},
                    {"snapshots", run.n_snapshots},
+                   {"resumed_at_seconds", run.resumed_at},
                    {"warnings", run.warnings}};
   record["ledger_joule"] = {{"initial", l.initial},     {"kinetic", l.kinetic},     {"potential", l.potential},
                             {"elastic", l.elastic},     {"plastic", l.plastic},     {"collisional", l.collisional},
@@ -236,9 +239,7 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                                   {"height_at_axis", o.height_at_axis}};
   };
   record["outline_metre"] = {{"start", outline(run.start)}, {"end", outline(run.end)}};
-  std::ofstream out(file);
-  out << record.dump(2) << "\n";
-  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+  write_whole(file, record.dump(2) + "\n");
 }
 
 void write_report(const std::filesystem::path& folder, const Case& what, const RunSummary& run,
@@ -324,12 +325,12 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
                    double(run.n_particles) * double(l.step) / std::max(run.cpu_seconds, 1e-9)));
   fact("memory of particles and grid",
        fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
+  if (const std::size_t n = run.resumed_at.size(); n > 0)
+    fact("stopped and gone on with",
+         fmt::format("{} time{}, from t = {:.6g} s", n, n == 1 ? "" : "s", fmt::join(run.resumed_at, " s, ")));
   fact("snapshots", fmt::format("{}, listed in particles.hdf.series", run.n_snapshots));
   page << "</table>\n</body></html>\n";
-  const std::filesystem::path file = folder / "report.html";
-  std::ofstream out(file);
-  out << page.str();
-  if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
+  write_whole(folder / "report.html", page.str());
 }
 
 }  // namespace talus

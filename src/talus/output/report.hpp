@@ -26,7 +26,9 @@ struct RunSummary {
   std::size_t bytes = 0;
   int n_threads = 1;
   int n_snapshots = 0;
-  std::string failure;  ///< what stopped the run; empty if it reached its end
+  std::string failure;             ///< what broke the run; empty if nothing did
+  bool stopped = false;            ///< by the user, before its end
+  std::vector<double> resumed_at;  ///< times from which it was gone on with [s]
   std::vector<std::string> warnings;
 };
 

@@ -1,0 +1,118 @@
+#include "talus/app/task.hpp"
+
+#include <errno.h>  // program_invocation_name
+#include <fmt/format.h>
+
+#include "talus/base/units.hpp"
+
+namespace talus {
+
+namespace fs = std::filesystem;
+
+std::string command_to_resume(const fs::path& folder, int threads) {
+  const auto quoted = [](const std::string& word) {
+    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+    if (word.find_first_not_of(plain) == word.npos) return word;
+    std::string text = "'";
+    for (char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+    return text + "'";
+  };
+  return fmt::format("{} run {} --resume{}", quoted(program_invocation_name), quoted(folder.string()),
+                     threads > 0 ? fmt::format(" --threads {}", threads) : "");
+}
+
+namespace {
+
+std::optional<double> until(const RunOptions& options) {
+  if (options.until.empty()) return std::nullopt;
+  const auto until = to_si(options.until, "s");
+  if (const auto* why = std::get_if<std::string>(&until))
+    throw InputError(fmt::format("--until {} {}{}", options.until, why->rfind("not ", 0) == 0 ? "is " : "", *why));
+  if (!(std::get<double>(until) > 0)) throw InputError("--until must be greater than 0");
+  return std::get<double>(until);
+}
+
+bool holds_results(const fs::path& folder) {
+  return fs::exists(folder / "history.csv") || fs::exists(folder / "particles_0000.hdf") || Checkpoints::any_in(folder);
+}
+
+/// Why a new run must not write into a folder; empty if it may.
+std::string results_at_stake(const fs::path& folder, const Task& task, const RunOptions& options) {
+  constexpr const char* choice = "give another folder with --out, or --overwrite";
+  if (Checkpoints::any_in(folder))
+    return fmt::format("{} holds results already; {}. To go on with the run there: {}", folder.string(), choice,
+                       command_to_resume(folder, options.threads));
+  if (holds_results(folder)) return fmt::format("{} holds results already; {}", folder.string(), choice);
+  if (fs::exists(folder / "case.toml") && contents_of(folder / "case.toml") != task.case_text)
+    return fmt::format("{} holds another case, case.toml; {}", folder.string(), choice);
+  return "";
+}
+
+}  // namespace
+
+Task understand(const RunOptions& options) {
+  const bool by_folder = fs::is_directory(options.case_file);
+  Task task;
+  task.case_file = options.case_file;
+  if (by_folder && !options.resume)
+    throw InputError(fmt::format("{} is a folder; to go on with the run there: {}", options.case_file,
+                                 command_to_resume(options.case_file, options.threads)));
+  if (by_folder && !options.out.empty())
+    throw InputError("--out cannot be given where the folder of a run's results is: the run goes on in it");
+  if (by_folder && !fs::exists(fs::path(options.case_file) / "case.toml"))
+    throw InputError(fmt::format("{} holds no run: there is no case.toml", options.case_file));
+  task.folder = by_folder             ? fs::path(options.case_file)
+                : options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem()
+                                      : fs::path(options.out);
+  if (by_folder) task.case_file = (task.folder / "case.toml").string();
+  task.input = read_case(task.case_file);
+  task.case_text = contents_of(task.case_file);
+  if (!options.resume || !fs::is_directory(task.folder)) return task;
+
+  task.lock = std::make_unique<FolderLock>(task.folder);
+  task.saved = newest_checkpoint(task.folder, task.input.understood,
+                                 [](const std::string& why) { fmt::print(stderr, "{}\n", why); });
+  if (!task.saved) {
+    if (holds_results(task.folder))
+      throw InputError(
+          fmt::format("{} holds results but no checkpoint, so the run cannot go on; --overwrite instead "
+                      "of --resume begins anew",
+                      task.folder.string()));
+    return task;
+  }
+  // From here on the case is that of the run, to the letter; only when checkpoints are made may have changed.
+  const OutputSpec output = task.input.what.output;
+  task.case_file = task.saved->so_far.case_file;
+  task.case_text = task.saved->so_far.case_text;
+  task.input = read_case_text(task.case_file, task.case_text);
+  task.input.what.output.checkpoints = output.checkpoints;
+  task.input.what.output.checkpoint_wall = output.checkpoint_wall;
+  return task;
+}
+
+double end_of(const Task& task, const RunOptions& options) {
+  const std::optional<double> asked = until(options);
+  if (!task.saved) return asked.value_or(task.input.what.end);
+  const RunSoFar& so_far = task.saved->so_far;
+  if (asked && *asked < so_far.end && *asked <= so_far.time)
+    throw InputError(fmt::format("--until {}: the run is at t = {:.6g} s already", options.until, so_far.time));
+  return asked.value_or(so_far.end);
+}
+
+void take_over(Task& task, const RunOptions& options) {
+  std::error_code failure;
+  fs::create_directories(task.folder, failure);
+  if (failure || !fs::is_directory(task.folder))
+    throw InputError(fmt::format("the folder {} cannot be made: {}", task.folder.string(),
+                                 failure ? failure.message() : "something else has this name"));
+  if (!task.lock) task.lock = std::make_unique<FolderLock>(task.folder);
+  if (const std::string why = results_at_stake(task.folder, task, options); !why.empty() && !options.overwrite)
+    throw InputError(why);
+  // What an earlier run left must not be taken for this one's.
+  for (const char* name :
+       {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "failure.hdf", "record.json", "report.html"})
+    fs::remove(task.folder / name);
+  write_whole(task.folder / "case.toml", task.case_text);
+}
+
+}  // namespace talus

@@ -1,0 +1,36 @@
+#pragma once
+/// What `talus run` is asked to do: which case, in which folder, from its beginning or from a checkpoint.
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "talus/app/commands.hpp"
+#include "talus/base/file.hpp"
+#include "talus/case/read.hpp"
+#include "talus/output/checkpoint.hpp"
+
+namespace talus {
+
+struct Task {
+  std::filesystem::path folder;  ///< of the results
+  CaseFile input;
+  std::string case_file, case_text;
+  std::optional<SavedRun> saved;  ///< from where to go on
+  std::unique_ptr<FolderLock> lock;
+};
+
+/// Reads the case and finds out from where to go on; changes nothing. Throws InputError.
+Task understand(const RunOptions& options);
+
+/// The simulated time at which to end [s].
+double end_of(const Task& task, const RunOptions& options);
+
+/// Makes the folder a new run's own. Throws InputError if it holds what must not be overwritten.
+void take_over(Task& task, const RunOptions& options);
+
+/// The command that goes on with a run, as it can be pasted into a shell.
+std::string command_to_resume(const std::filesystem::path& folder, int threads);
+
+}  // namespace talus

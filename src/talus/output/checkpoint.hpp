@@ -1,0 +1,91 @@
+#pragma once
+/// Checkpoints: where a run stands, so that it can stop and go on as if it had not.
+///
+/// A run keeps its last two in its folder, checkpoint_0.talus and checkpoint_1.talus, and always replaces the older.
+/// A file holds a line that says what it is, then named arrays of eight-byte numbers as the machine has them, among
+/// them what the run has written so far (JSON), and last the CRC-32 of everything before.
+
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "talus/case/read.hpp"
+#include "talus/mpm/simulation.hpp"
+
+namespace talus {
+
+/// What happens at regular instants: at the first step at or after each.
+struct Schedule {
+  double interval = 0;  ///< [s]
+  double next = 0;      ///< number of the instant to come
+  double last = -1;     ///< time at which something happened [s]
+
+  bool due(double time) {
+    if (time < next * interval * (1 - 1e-12)) return false;
+    next = std::floor(time / interval * (1 + 1e-12)) + 1;
+    last = time;
+    return true;
+  }
+};
+
+/// What was asked of a run, and what it has written when a checkpoint is made.
+struct RunSoFar {
+  std::string case_file;
+  std::string case_text;
+  double end = 0;   ///< [s]
+  double time = 0;  ///< [s]
+  long step = 0;
+  long history_bytes = 0;                   ///< length of history.csv
+  std::vector<double> snapshots, instants;  ///< times of the snapshots, and of what pictures will show [s]
+  Schedule next_snapshot{}, next_row{};
+  double wall_seconds = 0, cpu_seconds = 0;
+  std::vector<double> resumed_at;  ///< times from which the run was gone on with [s]
+};
+
+/// A checkpoint as it was read.
+struct SavedRun {
+  std::filesystem::path file;
+  long number = 0;  ///< of the checkpoints that the run has made
+  RunSoFar so_far;
+  std::map<std::string, std::vector<double>> state;  ///< what Simulation::save told
+
+  void restore(Simulation& simulation) const;
+};
+
+/// Reads a checkpoint. Throws std::runtime_error with a sentence why it cannot be used.
+SavedRun read_checkpoint(const std::filesystem::path& file);
+
+/// The checkpoints of a run.
+class Checkpoints {
+ public:
+  /// For a run in a folder; one that goes on from `saved`.
+  Checkpoints(std::filesystem::path folder, const SavedRun* saved);
+
+  /// Writes one in place of the older of the last two; it is on the disk when this returns. Throws std::runtime_error
+  /// if it cannot be written; the last two are as they were then.
+  void write(const RunSoFar& so_far, const Simulation& simulation);
+  /// The last one.
+  std::string last() const;
+
+  static std::filesystem::path file(const std::filesystem::path& folder, int place);
+  static bool any_in(const std::filesystem::path& folder);
+
+ private:
+  std::filesystem::path folder_;
+  int place_;  ///< of the last one
+  long number_;
+  double time_ = 0;
+  long step_ = 0;
+};
+
+/// The newest usable checkpoint in a folder, of the run of the case that was understood so; none if there is none at
+/// all. Tells `refused` why another one is not used. Throws InputError, with all reasons, if no one is usable.
+std::optional<SavedRun> newest_checkpoint(const std::filesystem::path& folder,
+                                          const std::vector<Understood>& understood,
+                                          const std::function<void(const std::string&)>& refused);
+
+}  // namespace talus
