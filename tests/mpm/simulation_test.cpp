@@ -201,6 +201,43 @@ TEST_P(InBothDimensions, ASandColumnBetweenSmoothWallsStaysAtRestUnderItsWeight)
   EXPECT_GT(n, 100);
 }
 
+/// Sand that carries nothing, `gap` above a rough floor.
+Case loose_block(double gap) {
+  Case what = column_at_rest(2, WallKind::no_slip);
+  what.domain.max[1] = 1.6;
+  what.n_cells[1] = 32;
+  what.bodies[0].initial_stress = InitialStress::zero;
+  auto& box = std::get<Box>(what.bodies[0].region);
+  box.min[1] += gap;
+  box.max[1] += gap;
+  return what;
+}
+
+TEST(Simulation, SandWithoutStressSettlesOnAFloorAsFarAsItsWeightPressesIt) {
+  const auto loop = make_openmp(2);
+  const auto s = make_simulation(loose_block(0), *loop);
+  run_until(*s, 0.3);
+  // The column's own compression from nothing to rho g z, at most: uniaxial, x = sqrt(p/p_at) = a strain.
+  const Granular law = case_1();
+  const double p = 2500 / 1.85 * g * 0.5, strain = std::sqrt(p / 1e5) / law.frictional.growth(0.85);
+  EXPECT_LT(s->ledger().max_speed, std::sqrt(2 * g * strain * 0.5));  // what falling by that would give
+  EXPECT_LT(std::abs(s->ledger().error()), 0.05 * s->ledger().turnover);
+}
+
+TEST(Simulation, SandThatDropsOnAFloorStaysAndGainsNoEnergy) {
+  const auto loop = make_openmp(2);
+  for (double gap : {0.05, 0.5}) {
+    const auto s = make_simulation(loose_block(gap), *loop);
+    double most = s->ledger().kinetic + s->ledger().potential;
+    while (s->ledger().time < 0.5) {
+      s->step();
+      const Ledger& l = s->ledger();
+      ASSERT_LT(l.kinetic + l.potential + l.elastic, most * (1 + 1e-3)) << gap << " m, t = " << l.time;
+    }
+    EXPECT_LT(std::abs(s->ledger().error()), 0.05 * s->ledger().turnover) << gap;
+  }
+}
+
 TEST(Simulation, InsideACellThePressureVariesByLessThanFivePercent) {
   const auto loop = make_openmp(2);
   Case what = column_at_rest(2, WallKind::no_slip);

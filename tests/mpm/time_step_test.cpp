@@ -31,6 +31,26 @@ TEST(TimeStep, FromRestWithoutStiffnessGravityBoundsIt) {
   EXPECT_EQ(stable_step(b).bound, Bound::gravity);
 }
 
+TEST(TimeStep, WhatMeetsWithoutStressMayStiffenWithinTheStep) {
+  // c^2 = 1e6 strain, so that c dt = cfl h at the end of the step in which strain = closing dt^2.
+  const Stiffening contact[] = {{1e6, 1}};
+  StepBounds b = nothing();
+  b.contacts = contact;
+  EXPECT_TRUE(std::isinf(stable_step(b).dt));  // nothing moves
+  b.speed = 1;                                 // closing = (1/0.1)^2
+  BoundedStep step = stable_step(b);
+  EXPECT_EQ(step.bound, Bound::contact);
+  EXPECT_NEAR(std::sqrt(1e6 * 100 * step.dt * step.dt) * step.dt, 0.5 * 0.1, 1e-12);
+  b.speed = 0;
+  b.acceleration = 10;  // closing = 10/0.1
+  step = stable_step(b);
+  EXPECT_EQ(step.bound, Bound::contact);
+  EXPECT_NEAR(std::sqrt(1e6 * 100 * step.dt * step.dt) * step.dt, 0.5 * 0.1, 1e-12);
+  const Stiffening constant[] = {{1e6, 0}};  // stiffness that does not wait for stress: c = 1000 m/s at once
+  b.contacts = constant;
+  EXPECT_DOUBLE_EQ(stable_step(b).dt, 0.5 * 0.1 / 1000);
+}
+
 TEST(TimeStep, ItGrowsByAFifthAtMost) {
   StepBounds b = nothing();
   b.wave_speed = 1;  // alone: 50 ms

@@ -123,6 +123,19 @@ concept ScalesStiffness = requires(Law& law) {
   law.scale_stiffness(1.0);
 };
 
+/// How K + 4/3 G grows where a law has no stiffness without stress: factor strain^power, after a compression by
+/// `strain` from no stress.
+struct Stiffening {
+  double factor;  ///< [Pa]
+  double power;
+};
+
+/// A law whose stiffness vanishes with its stress.
+template <class Law>
+concept StiffensFromNothing = requires(const Law& law) {
+  { law.stiffening(0.5) } -> std::same_as<Stiffening>;
+};
+
 /// Something that can be read off a state: written to snapshots, element tests and tables.
 struct Quantity {
   std::string_view name;

@@ -90,6 +90,13 @@ struct Simsand {
     return R(1 + 4.0 / 3.0 * shear_to_bulk()) * K;
   }
 
+  /// K + 4/3 G = factor strain^power of sand of void ratio e that has been compressed by `strain` from no stress [Pa]:
+  /// x = a strain in K = m a p_at x^(m - 1).
+  Stiffening stiffening(double e) const {
+    const double m = exponent(), a = growth(e);
+    return {wave_modulus(m * a * atmospheric_pressure) * std::pow(a, m - 1), m - 1};
+  }
+
   /// ln(e_c/e): negative where the sand is loose. Eq. 8, with ln_P = ln(p/p_at)
   template <Number R>
   TALUS_HD R ln_density(R ln_P, R ln_e) const {

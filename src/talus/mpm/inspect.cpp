@@ -112,6 +112,24 @@ double elastic_energy(const Body<Dim>& body) {
 }
 
 template <int Dim>
+std::optional<Stiffening> contact_stiffening(const Body<Dim>& body) {
+  const Particles<Dim>& p = body.particles;
+  std::optional<Stiffening> stiffest;
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        if constexpr (StiffensFromNothing<Law>)
+          for (int i = 0; i < p.size(); ++i) {
+            const double v = law.specific_volume(state_of<Law>(p, i));
+            Stiffening c2 = law.stiffening(v - 1);
+            c2.factor *= p.reference_volume()[i] * v / p.mass()[i];
+            if (!stiffest || c2.factor > stiffest->factor) stiffest = c2;
+          }
+      },
+      body.law);
+  return stiffest;
+}
+
+template <int Dim>
 double fastest_wave(const Body<Dim>& body, const Integration& how) {
   const Particles<Dim>& p = body.particles;
   double speed2 = 0;
@@ -137,6 +155,8 @@ template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
 template double elastic_energy(const Body<2>&);
 template double elastic_energy(const Body<3>&);
+template std::optional<Stiffening> contact_stiffening(const Body<2>&);
+template std::optional<Stiffening> contact_stiffening(const Body<3>&);
 template double fastest_wave(const Body<2>&, const Integration&);
 template double fastest_wave(const Body<3>&, const Integration&);
 

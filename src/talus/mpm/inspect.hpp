@@ -1,6 +1,7 @@
 #pragma once
 /// What can be read off the particles of a body.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,11 @@ std::string describe(const Body<Dim>& body, int particle);
 /// Elastic energy stored in a body [J].
 template <int Dim>
 double elastic_energy(const Body<Dim>& body);
+
+/// How the squared speed of compression waves grows in a body whose grains carry nothing and meet [m2/s2]; none where
+/// stiffness does not depend on stress.
+template <int Dim>
+std::optional<Stiffening> contact_stiffening(const Body<Dim>& body);
 
 /// Speed of the fastest compression wave in a body [m/s].
 template <int Dim>

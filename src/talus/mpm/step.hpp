@@ -36,6 +36,8 @@ class Stepper final : public Simulation {
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
     for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
+    for (const auto& body : bodies_)
+      if (const auto contact = contact_stiffening(body)) contacts_.push_back(*contact);
     for (const auto& body : bodies_) wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration));
     give_all_momentum();
   }
@@ -92,7 +94,7 @@ class Stepper final : public Simulation {
   }
   StepBounds bounds() const {
     return {domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, std::sqrt(dot(gravity_, gravity_)),
-            last_dt_};
+            last_dt_,  contacts_};
   }
 
   // ---- the step, a verb a function --------------------------------------------------------------------------------
@@ -463,7 +465,8 @@ class Stepper final : public Simulation {
   double drift_ = 0;  ///< bound on how far any particle has moved since it was put in order, in cells
   double wave_speed_ = 0, viscosity_ = 0, node_speed_ = 0, least_mass_ = 0;
   double last_dt_ = std::numeric_limits<double>::infinity();
-  bool broken_ = false;  ///< particles may stand anywhere
+  std::vector<Stiffening> contacts_;  ///< of squared wave speed where grains meet without stress, one a body
+  bool broken_ = false;               ///< particles may stand anywhere
 };
 
 template <int Dim, class Shape>

@@ -5,8 +5,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
-#include "talus/base/parameter.hpp"
+#include "talus/law/law.hpp"
 
 namespace talus {
 
@@ -19,6 +20,8 @@ struct StepBounds {
   double viscosity;     ///< largest kinematic viscosity [m2/s]
   double acceleration;  ///< that acts from outside, gravity [m/s2]
   double last_step = std::numeric_limits<double>::infinity();  ///< [s]
+  /// Of bodies without stiffness where they carry no stress: how their squared wave speed grows from there [m2/s2].
+  std::span<const Stiffening> contacts = {};
 
   /// At which information crosses the grid [m/s]. 1.3: particles move with the nodes' velocity, which the step may
   /// still change.
@@ -26,11 +29,12 @@ struct StepBounds {
 };
 
 /// The bound that a step stopped at.
-enum class Bound { waves_and_motion, viscosity, gravity, growth, fixed };
+enum class Bound { waves_and_motion, viscosity, gravity, contact, growth, fixed };
 inline constexpr Choice bound_names[] = {
     {"waves_and_motion", "waves and particles stay within a share of a cell"},
     {"viscosity", "collisional stress diffuses stably"},
     {"gravity", "from rest gravity carries no particle beyond that share"},
+    {"contact", "what meets without stress and stiffens within the step stays stable"},
     {"growth", "1.2 times the step before, so that what stiffens is seen in time"},
     {"fixed", "the step the case file fixes"},
 };
@@ -50,6 +54,15 @@ inline BoundedStep stable_step(const StepBounds& b) {
   if (b.signal_speed() > 0) at_most(b.cfl * b.h / b.signal_speed(), Bound::waves_and_motion);
   if (b.viscosity > 0) at_most(b.cfl * b.h * b.h / (2 * b.viscosity), Bound::viscosity);
   if (b.acceleration > 0) at_most(b.cfl * std::sqrt(b.h / b.acceleration), Bound::gravity);
+  // Grains that carry nothing send no wave ahead of the step in which they meet. Bodies that close at speed v come in
+  // reach of each other's nodes by v dt/h of a cell and, spline weights beginning with slope 0, strain at v/h times
+  // that; material that lies on something is strained by its weight at g dt/h. So strain = max(v^2/h^2, g/h) dt^2, and
+  // the waves it makes possible shall not cross more than their share of a cell: c(strain) dt < cfl h.
+  const double closing2 = std::max(b.speed * b.speed / (b.h * b.h), b.acceleration / b.h);
+  for (const Stiffening& c2 : b.contacts)
+    if (closing2 > 0)
+      at_most(std::pow(b.cfl * b.cfl * b.h * b.h / (c2.factor * std::pow(closing2, c2.power)), 1 / (2 * c2.power + 2)),
+              Bound::contact);
   at_most(1.2 * b.last_step, Bound::growth);
   return step;
 }
