@@ -149,8 +149,9 @@ TEST_F(Program, ARunSaysWhatBoundedItsSteps) {
 TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
   const Finished list = talus("list");
   EXPECT_EQ(list.code, 0);
-  for (const char* part : {"granular", "simsand", "mu_i", "mohr_coulomb", "drucker_prager", "linear_elastic", "Phi_c",
-                           "quadratic", "linear", "flip_tau", "no_slip", "kg/m3", "at most 48 deg"})
+  for (const char* part :
+       {"granular", "simsand", "mu_i", "mohr_coulomb", "drucker_prager", "linear_elastic", "newtonian_fluid", "Phi_c",
+        "quadratic", "linear", "flip_tau", "no_slip", "kg/m3", "at most 48 deg"})
     EXPECT_TRUE(has(list.output, part)) << part;
 }
 

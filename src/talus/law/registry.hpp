@@ -7,6 +7,7 @@
 #include "talus/law/granular.hpp"
 #include "talus/law/linear_elastic.hpp"
 #include "talus/law/mohr_coulomb.hpp"
+#include "talus/law/newtonian_fluid.hpp"
 #include "talus/law/simsand_appendix_a.hpp"
 
 namespace talus {
@@ -22,8 +23,8 @@ struct LawList {
   }
 };
 
-using Laws =
-    LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LinearElastic, SimsandAppendixA>;
+using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LinearElastic,
+                     NewtonianFluid, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
 /// The type that a law's options ask for: `granular` with a history where its collisional form needs one.
