@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "talus/base/error.hpp"
+#include "talus/element/driver.hpp"
 
 namespace talus {
 namespace {
@@ -56,7 +57,7 @@ FigureSpec read(const std::string& more = "", const std::string& figure = figure
 }
 
 FigureResult evaluated(const FigureSpec& figure) {
-  FigureRuns runs(figure.readings.size(), std::vector<std::optional<ElementResult>>(figure.curves.size()));
+  FigureRuns runs(figure.readings.size(), std::vector<std::optional<ResultTable>>(figure.curves.size()));
   for (std::size_t r = 0; r < runs.size(); ++r)
     for (std::size_t c = 0; c < figure.curves.size(); ++c)
       if (figure.curves[c].tests[r]) runs[r][c] = run_element_test(figure.curves[c].tests[r]->test);

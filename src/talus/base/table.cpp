@@ -1,6 +1,7 @@
 #include "talus/base/table.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <muParser.h>
 
 #include <algorithm>
@@ -16,6 +17,16 @@ namespace talus {
 int NumberTable::column(const std::string& name) const {
   const auto found = std::find(names.begin(), names.end(), name);
   return found == names.end() ? -1 : int(found - names.begin());
+}
+
+std::string as_csv(const ResultTable& result) {
+  std::vector<std::string> header;
+  for (std::size_t c = 0; c < result.names.size(); ++c)
+    header.push_back(result.units[c] == "1" ? result.names[c]
+                                            : fmt::format("{} [{}]", result.names[c], result.units[c]));
+  std::string csv = fmt::format("{}\n", fmt::join(header, ","));
+  for (const auto& row : result.rows) csv += fmt::format("{:.10g}\n", fmt::join(row, ","));
+  return csv;
 }
 
 NumberTable read_csv(const std::string& path, const std::string& where, const std::string& is) {

@@ -13,6 +13,15 @@ struct NumberTable {
   int column(const std::string& name) const;  ///< -1 if there is none
 };
 
+/// What a computation reports: a row an instant, or a row a run.
+struct ResultTable : NumberTable {
+  std::vector<std::string> units, meanings;  ///< of the columns
+  std::string failure;                       ///< empty, or why it ended before its end
+};
+
+/// The result as a CSV file, units in the header.
+std::string as_csv(const ResultTable& result);
+
 /// Reads a CSV file with a header; lines that begin with # are skipped, and what is no number becomes NaN. With
 /// `where`, only the rows whose column of that name reads `is`. Throws std::runtime_error.
 NumberTable read_csv(const std::string& path, const std::string& where = "", const std::string& is = "");

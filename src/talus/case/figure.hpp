@@ -21,13 +21,25 @@ struct CurveTest {
   ElementTest test;
 };
 
+/// The runs of a curve in one reading: one whose history is the curve, or a sweep of which each run's end is a row.
+struct CurveRuns {
+  struct Run {
+    std::string text;            ///< the case file with everything set, to be run again by itself
+    std::vector<double> values;  ///< in the sweep's columns
+  };
+  std::vector<std::string> columns;  ///< that the sweep adds to those of the history
+  std::vector<Run> runs;
+  bool is_sweep = false;
+};
+
 struct CurveSpec {
   std::string name, label;
-  std::vector<std::optional<CurveTest>> tests;  ///< one for every reading
+  std::vector<std::optional<CurveTest>> tests;  ///< one for every reading, if the curve is an element test
+  std::vector<std::optional<CurveRuns>> runs;   ///< one for every reading, if it is runs of cases
   std::optional<NumberTable> measured;
 };
 
-/// One axis of a panel: formulas of the columns of an element test and of the measurements.
+/// One axis of a panel: formulas of the columns of a curve and of the measurements.
 struct Axis {
   std::string value, label, measured;
   bool log = false;
@@ -57,7 +69,7 @@ struct FigureSpec {
   std::vector<Statement> statements;
 };
 
-/// Reads FOLDER/figure.toml and the tests it names. Throws InputError with every mistake at once.
+/// Reads FOLDER/figure.toml, and the tests and cases it names. Throws InputError with every mistake at once.
 FigureSpec read_figure(const std::string& folder);
 
 }  // namespace talus

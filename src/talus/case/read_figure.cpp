@@ -102,6 +102,41 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
   }
 }
 
+/// A file of TOML with some keys replaced, the later replacements over the earlier.
+std::string with_replaced(const fs::path& file, std::initializer_list<const toml::table*> replaced) {
+  toml::table root = Document(file.string()).root();
+  for (const toml::table* table : replaced) merge(root, *table);
+  return as_text(root);
+}
+
+/// One run of a curve as the file has it: what it replaces, and its values in the sweep's columns.
+struct SweepStep {
+  toml::table set;
+  std::vector<double> values;
+};
+
+/// The runs of a curve; a single one that replaces nothing if it is no sweep.
+std::vector<SweepStep> read_sweep(Section& curve, std::vector<std::string>& columns) {
+  std::vector<SweepStep> steps;
+  if (!curve.has("sweep")) return {SweepStep{}};
+  for (Section& s : curve.list_of_sections("sweep", "runs, each of whose ends is a row of the curve")) {
+    SweepStep step{replacements(s), {}};
+    std::vector<std::string> names;
+    for (auto&& [key, value] : s.raw_table("values", "numbers of this run, such as { a = 0.5 }")) {
+      names.emplace_back(key.str());
+      if (const auto number = value.value<double>())
+        step.values.push_back(*number);
+      else
+        s.complain("values", fmt::format("has a {} that is no number", std::string(key.str())));
+    }
+    if (columns.empty()) columns = names;
+    if (names != columns) s.complain("values", "must name the same numbers in every run of the sweep");
+    s.close("a run of a sweep");
+    steps.push_back(std::move(step));
+  }
+  return steps;
+}
+
 }  // namespace
 
 FigureSpec read_figure(const std::string& folder) {
@@ -130,11 +165,18 @@ FigureSpec read_figure(const std::string& folder) {
   for (const Reading& r : figure.readings) reading_names.push_back(r.name);
 
   std::vector<Complaint> from_tests;
-  for (Section& s : root.list_of_sections("curve", "curves, each an element test")) {
+  for (Section& s : root.list_of_sections("curve", "curves, each an element test or runs of a case")) {
     CurveSpec curve;
     curve.name = s.text("name", "name of the curve");
     curve.label = s.text("label", "its name in the legend", curve.name);
-    const std::string file = s.text("test", "element test in this folder");
+    const bool runs_case = s.has("case");
+    if (runs_case == s.has("test")) s.complain("must have either a `test` or a `case`");
+    const std::string file = runs_case       ? s.text("case", "case in this folder")
+                             : s.has("test") ? s.text("test", "element test in this folder")
+                                             : "";
+    std::vector<std::string> columns;
+    const bool is_sweep = runs_case && s.has("sweep");
+    const std::vector<SweepStep> steps = runs_case ? read_sweep(s, columns) : std::vector<SweepStep>{};
     const toml::table set = replacements(s);
     const std::string only = s.text("reading", "the only reading that has this curve", "");
     if (!only.empty() && std::find(reading_names.begin(), reading_names.end(), only) == reading_names.end())
@@ -142,16 +184,28 @@ FigureSpec read_figure(const std::string& folder) {
     curve.measured = read_measured(s, folder);
     s.close("a curve");
     for (std::size_t r = 0; r < readings.size() && !file.empty(); ++r) {
-      curve.tests.emplace_back();
-      if (!only.empty() && only != figure.readings[r].name) continue;
+      const bool here = only.empty() || only == figure.readings[r].name;
+      const fs::path path = fs::path(folder) / file;
+      const auto name = [&](const std::string& more) {
+        return fmt::format("{} as set by curve `{}`{} in reading `{}`", path.string(), curve.name, more,
+                           figure.readings[r].name);
+      };
       try {
-        toml::table test = Document((fs::path(folder) / file).string()).root();
-        merge(test, set);
-        merge(test, readings[r]);
-        const std::string text = as_text(test);
-        const std::string name = fmt::format("{} as set by curve `{}` in reading `{}`",
-                                             (fs::path(folder) / file).string(), curve.name, figure.readings[r].name);
-        curve.tests.back() = CurveTest{text, read_element_test_text(name, text, folder).what};
+        if (!runs_case) {
+          curve.tests.emplace_back();
+          if (!here) continue;
+          const std::string text = with_replaced(path, {&set, &readings[r]});
+          curve.tests.back() = CurveTest{text, read_element_test_text(name(""), text, folder).what};
+        } else {
+          curve.runs.emplace_back();
+          if (!here) continue;
+          CurveRuns runs{columns, {}, is_sweep};
+          for (const SweepStep& step : steps) {
+            runs.runs.push_back({with_replaced(path, {&set, &step.set, &readings[r]}), step.values});
+            read_case_text(name(is_sweep ? fmt::format(", run {}", runs.runs.size()) : ""), runs.runs.back().text);
+          }
+          curve.runs.back() = std::move(runs);
+        }
       } catch (const InputError& e) {
         from_tests.insert(from_tests.end(), e.complaints().begin(), e.complaints().end());
       }

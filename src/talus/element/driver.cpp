@@ -427,16 +427,6 @@ class Driver {
 
 }  // namespace
 
-std::string as_csv(const ElementResult& result) {
-  std::vector<std::string> header;
-  for (std::size_t c = 0; c < result.names.size(); ++c)
-    header.push_back(result.units[c] == "1" ? result.names[c]
-                                            : fmt::format("{} [{}]", result.names[c], result.units[c]));
-  std::string csv = fmt::format("{}\n", fmt::join(header, ","));
-  for (const auto& row : result.rows) csv += fmt::format("{:.10g}\n", fmt::join(row, ","));
-  return csv;
-}
-
 ElementResult run_element_test(const ElementTest& test) {
   return std::visit([&](const auto& law) { return Driver(test, law).run(); }, test.law);
 }

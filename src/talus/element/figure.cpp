@@ -44,7 +44,7 @@ double misfit_of(const Points& line, const Points& points) {
   return n > 0 && largest > 0 ? std::sqrt(sum / n) / largest : none;
 }
 
-DrawnCurve draw(const FigureSpec& figure, const Panel& panel, int curve, const ElementResult& result) {
+DrawnCurve draw(const FigureSpec& figure, const Panel& panel, int curve, const ResultTable& result) {
   DrawnCurve drawn{curve, {evaluate(panel.x.value, result), evaluate(panel.y.value, result)}, {}, none};
   const auto& measured = figure.curves[curve].measured;
   if (measured && !panel.x.measured.empty() && !panel.y.measured.empty()) {
@@ -57,7 +57,7 @@ DrawnCurve draw(const FigureSpec& figure, const Panel& panel, int curve, const E
 /// The functions that statements are made of, over the curves of one reading.
 class Measures {
  public:
-  Measures(const FigureSpec& figure, const std::vector<std::optional<ElementResult>>& runs,
+  Measures(const FigureSpec& figure, const std::vector<std::optional<ResultTable>>& runs,
            const std::vector<std::vector<DrawnCurve>>& panels)
       : figure_(figure), runs_(runs), panels_(panels) {
     define("first", [](const Points& c) { return c.y.front(); });
@@ -131,7 +131,7 @@ class Measures {
   }
 
   const FigureSpec& figure_;
-  const std::vector<std::optional<ElementResult>>& runs_;
+  const std::vector<std::optional<ResultTable>>& runs_;
   const std::vector<std::vector<DrawnCurve>>& panels_;
   mu::Parser parser_;
   bool missing_ = false;

@@ -1,15 +1,15 @@
 #pragma once
-/// What a figure shows once its element tests have run: curves in the panels' axes, and verdicts on what is claimed.
+/// What a figure shows once its element tests and cases have run: curves in the panels' axes, and verdicts on what is claimed.
 
 #include <map>
 
+#include "talus/base/table.hpp"
 #include "talus/case/figure.hpp"
-#include "talus/element/driver.hpp"
 
 namespace talus {
 
-/// Results of the element tests, [reading][curve]; empty where a reading has no such curve.
-using FigureRuns = std::vector<std::vector<std::optional<ElementResult>>>;
+/// Results of the curves, [reading][curve]; empty where a reading has no such curve.
+using FigureRuns = std::vector<std::vector<std::optional<ResultTable>>>;
 
 struct Points {
   std::vector<double> x, y;

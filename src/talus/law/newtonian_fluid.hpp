@@ -96,8 +96,7 @@ inline std::span<const ParameterOf<NewtonianFluid>> NewtonianFluid::parameters()
   static const ParameterOf<NewtonianFluid> table[] = {
       {{"K", "Pa", Range::positive(), "bulk modulus; 100 density speed^2 keeps the density within 1 %"},
        [](NewtonianFluid& l) -> double& { return l.K; }},
-      {{"eta", "Pa s", Range::not_negative(), "dynamic viscosity"},
-       [](NewtonianFluid& l) -> double& { return l.eta; }},
+      {{"eta", "Pa s", Range::not_negative(), "dynamic viscosity"}, [](NewtonianFluid& l) -> double& { return l.eta; }},
   };
   return table;
 }

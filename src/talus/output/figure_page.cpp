@@ -47,6 +47,11 @@ std::string block(const std::string& name, const Points& points) {
   return text + "\n\n";
 }
 
+/// Whether each row of a curve is the end of a run.
+bool is_sweep(const CurveSpec& curve) {
+  return std::any_of(curve.runs.begin(), curve.runs.end(), [](const auto& r) { return r && r->is_sweep; });
+}
+
 /// Lines for what was computed, points of the same colour for what was measured.
 bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& panel,
                 const std::vector<DrawnCurve>& curves) {
@@ -58,8 +63,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
     const char* colour = line_colour(int(i));
     const int dash = 1 + int(i) / 7;
     data += block(spec.name, curves[i].computed);
-    plots.push_back(fmt::format("'{}.dat' index {} with lines lw 2 dt {} lc '{}' title {}", panel.name, n_blocks++,
-                                dash, colour, gnuplot_text(spec.label)));
+    plots.push_back(fmt::format("'{}.dat' index {} with {} lw 2 dt {} lc '{}' title {}", panel.name, n_blocks++,
+                                is_sweep(spec) ? "linespoints pt 2" : "lines", dash, colour, gnuplot_text(spec.label)));
     if (curves[i].measured.x.empty()) continue;
     data += block(spec.name + ", measured", curves[i].measured);
     plots.push_back(fmt::format("'{}.dat' index {} with points pt 7 ps {} lc '{}' notitle", panel.name, n_blocks++,
@@ -94,7 +99,7 @@ void write_curves(const fs::path& folder, const RemadeFigure& figure, std::size_
     const auto& result = figure.runs[reading][c];
     if (!result) continue;
     const CurveSpec& spec = figure.spec.curves[c];
-    write_text(folder / (spec.name + ".toml"), spec.tests[reading]->text);
+    if (!spec.tests.empty()) write_text(folder / (spec.name + ".toml"), spec.tests[reading]->text);
     write_text(folder / (spec.name + ".csv"), as_csv(*result));
   }
 }
@@ -164,6 +169,29 @@ std::string statements_table(const RemadeFigure& figure) {
   return out + "</table>\n";
 }
 
+/// The runs behind the curves of a reading, with their reports.
+std::string runs_table(const fs::path& folder, const RemadeFigure& figure, std::size_t reading) {
+  std::string rows;
+  for (const CurveSpec& spec : figure.spec.curves) {
+    if (spec.runs.empty() || !spec.runs[reading]) continue;
+    const CurveRuns& curve = *spec.runs[reading];
+    for (std::size_t k = 0; k < curve.runs.size(); ++k) {
+      const fs::path run = run_folder(figure.spec, reading, spec, k);
+      std::vector<std::string> values;
+      for (std::size_t c = 0; c < curve.columns.size(); ++c)
+        values.push_back(fmt::format("{} = {:g}", curve.columns[c], curve.runs[k].values[c]));
+      rows += fmt::format("<tr><td>{}</td><td>{}</td><td>{}</td></tr>\n", escaped(spec.label),
+                          escaped(fmt::format("{}", fmt::join(values, ", "))),
+                          fs::exists(folder / run / "report.html")
+                              ? fmt::format("<a href=\"{}/report.html\">report</a>", run.generic_string())
+                              : "no report");
+    }
+  }
+  if (rows.empty()) return "";
+  return "<details><summary>Runs behind the curves</summary><table><tr><th>curve</th><th>run</th><th></th></tr>\n" +
+         rows + "</table></details>\n";
+}
+
 std::string misfit_table(const RemadeFigure& figure) {
   std::string rows;
   for (std::size_t p = 0; p < figure.spec.panels.size(); ++p)
@@ -179,6 +207,10 @@ std::string misfit_table(const RemadeFigure& figure) {
 }
 
 }  // namespace
+
+fs::path run_folder(const FigureSpec& figure, std::size_t reading, const CurveSpec& curve, std::size_t run) {
+  return place_of("", figure, reading) / (curve.name + (is_sweep(curve) ? fmt::format("_{}", run + 1) : ""));
+}
 
 bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
   const FigureSpec& spec = figure.spec;
@@ -206,7 +238,7 @@ bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
       if (drawn && fs::exists(image))
         page << embedded_figure(image, panel.title.empty() ? "(" + panel.name + ")" : panel.name);
     }
-    page << "</div>\n";
+    page << "</div>\n" << runs_table(folder, figure, r);
     for (std::size_t c = 0; c < spec.curves.size(); ++c)
       if (figure.runs[r][c] && !figure.runs[r][c]->failure.empty())
         page << fmt::format("<div class=\"warning\">Curve {} ends early: {}</div>\n", escaped(spec.curves[c].label),
@@ -214,8 +246,9 @@ bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
   }
   page << misfit_table(figure)
        << "<h2>Files</h2>\n<p>Beside this page: every panel as SVG and PNG with its gnuplot script (.gp) and points "
-          "(.dat); every curve as an element test (.toml, run it with <code>talus element</code>) and its result "
-          "(.csv)"
+          "(.dat); every curve (.csv) with its element test (.toml, run it with <code>talus element</code>), or the "
+          "folders of "
+          "its runs"
        << (spec.readings.size() > 1 ? "; readings but the first in folders of their own" : "")
        << ".</p>\n</body></html>\n";
   write_text(folder / "index.html", page.str());

@@ -14,6 +14,10 @@ struct RemadeFigure {
   FigureResult result;
 };
 
+/// Where the results of a curve's run stand, seen from the figure's folder.
+std::filesystem::path run_folder(const FigureSpec& figure, std::size_t reading, const CurveSpec& curve,
+                                 std::size_t run);
+
 /// Writes a figure into a folder: index.html, PANEL.svg and .png with their script and data, and for every curve its
 /// test (.toml) and its result (.csv); other readings than the first in folders of their own. False if there is no
 /// gnuplot, and so no panels.
