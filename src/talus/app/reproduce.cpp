@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 
 #include "talus/app/commands.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/text.hpp"
+#include "talus/element/driver.hpp"
 #include "talus/output/figure_page.hpp"
 
 namespace talus {
@@ -38,6 +40,80 @@ std::vector<fs::path> folders_of(const ReproduceOptions& options) {
                   alike.empty() ? "there is all, " + any_of(words) : fmt::format("did you mean `{}`?", alike)));
 }
 
+/// history.csv of a run.
+ResultTable history_of(const fs::path& folder) {
+  ResultTable table{read_csv((folder / "history.csv").string()), {}, {}, ""};
+  for (std::string& name : table.names) {
+    const auto unit = name.find(" [");
+    table.units.push_back(unit == std::string::npos ? "1" : name.substr(unit + 2, name.size() - unit - 3));
+    name.resize(std::min(unit, name.size()));
+  }
+  table.meanings.resize(table.names.size());
+  return table;
+}
+
+/// The user has stopped a run, which says how it goes on: reproduce ends with its exit code.
+struct Stopped {
+  int exit_code;
+};
+
+/// Runs a case in its folder. What stands there already of the same case is gone on with, or kept if it is complete.
+ResultTable run_in(const fs::path& folder, const std::string& case_text, int threads) {
+  fs::create_directories(folder.parent_path());
+  const fs::path file = folder.string() + ".toml";
+  std::ofstream(file) << case_text;
+  RunOptions options;
+  options.case_file = file.string();
+  options.out = folder.string();
+  options.threads = threads;
+  std::string failure;
+  const auto run = [&] {
+    if (const int code = run_case(options); code != 0) throw Stopped{code};
+  };
+  try {
+    options.resume = fs::exists(folder / "history.csv");
+    try {
+      run();
+    } catch (const InputError&) {  // of another case
+      if (!options.resume) throw;
+      options.resume = false;
+      options.overwrite = true;
+      run();
+    }
+  } catch (const RunError& e) {
+    failure = e.what();
+  }
+  ResultTable table = history_of(folder);
+  table.failure = failure;
+  return table;
+}
+
+/// A curve made of runs: the history of a single one, or a row of numbers and of the end of each run of a sweep.
+ResultTable run_cases(const RemadeFigure& figure, std::size_t reading, std::size_t curve, const fs::path& out,
+                      int threads) {
+  const CurveSpec& spec = figure.spec.curves[curve];
+  const CurveRuns& runs = *spec.runs[reading];
+  ResultTable table;
+  for (std::size_t k = 0; k < runs.runs.size(); ++k) {
+    ResultTable one =
+        run_in(out / figure.spec.name / run_folder(figure.spec, reading, spec, k), runs.runs[k].text, threads);
+    if (!runs.is_sweep) return one;
+    if (k == 0) {
+      table = one;
+      table.rows.clear();
+      for (const std::string& column : runs.columns) {
+        table.names.push_back(column);
+        table.units.emplace_back("1");
+        table.meanings.emplace_back();
+      }
+    }
+    table.rows.push_back(one.rows.back());
+    table.rows.back().insert(table.rows.back().end(), runs.runs[k].values.begin(), runs.runs[k].values.end());
+    if (!one.failure.empty()) table.failure += fmt::format("run {}: {} ", k + 1, one.failure);
+  }
+  return table;
+}
+
 }  // namespace
 
 int reproduce(const ReproduceOptions& options) {
@@ -58,11 +134,14 @@ int reproduce(const ReproduceOptions& options) {
   };
   std::vector<Run> runs;
   for (RemadeFigure& f : figures) {
-    f.runs.assign(f.spec.readings.size(), std::vector<std::optional<ElementResult>>(f.spec.curves.size()));
+    f.runs.assign(f.spec.readings.size(), std::vector<std::optional<ResultTable>>(f.spec.curves.size()));
     for (std::size_t r = 0; r < f.spec.readings.size(); ++r)
-      for (std::size_t c = 0; c < f.spec.curves.size(); ++c)
-        if (f.spec.curves[c].tests[r]) runs.push_back({&f, r, c});
+      for (std::size_t c = 0; c < f.spec.curves.size(); ++c) {
+        const CurveSpec& curve = f.spec.curves[c];
+        if (!curve.tests.empty() && curve.tests[r]) runs.push_back({&f, r, c});
+      }
   }
+  const fs::path out = options.out.empty() ? fs::path("out") / "reproduce" : fs::path(options.out);
   const auto loop = make_openmp(options.threads);
   fmt::print(stderr, "{} element tests in {} figure{} on {} thread{}\n", runs.size(), figures.size(),
              figures.size() == 1 ? "" : "s", loop->n_workers(), loop->n_workers() == 1 ? "" : "s");
@@ -75,7 +154,17 @@ int reproduce(const ReproduceOptions& options) {
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   fmt::print(stderr, "done in {:.1f} s\n", taken.count());
 
-  const fs::path out = options.out.empty() ? fs::path("out") / "reproduce" : fs::path(options.out);
+  for (RemadeFigure& f : figures)
+    for (std::size_t r = 0; r < f.spec.readings.size(); ++r)
+      for (std::size_t c = 0; c < f.spec.curves.size(); ++c) {
+        const CurveSpec& curve = f.spec.curves[c];
+        if (curve.runs.empty() || !curve.runs[r]) continue;
+        try {
+          f.runs[r][c] = run_cases(f, r, c, out, options.threads);
+        } catch (const Stopped& stopped) {
+          return stopped.exit_code;
+        }
+      }
   bool drawn = true;
   for (RemadeFigure& f : figures) {
     f.result = evaluate_figure(f.spec, f.runs);
