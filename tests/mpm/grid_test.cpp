@@ -5,9 +5,9 @@
 #include <map>
 #include <random>
 
+#include "mpm/shapes.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/boundary.hpp"
-#include "talus/mpm/shape.hpp"
 #include "talus/mpm/transfer.hpp"
 
 namespace talus {
@@ -74,7 +74,7 @@ struct Scattered {
           Index<Dim> node;
           double weight = 1;
           for (int a = 0; a < Dim; ++a) {
-            const auto w = Shape::at(x[a]);
+            const auto w = Shape().at(x[a]);
             node[a] = w.first + k[a];
             weight *= w.N[k[a]];
           }
@@ -94,7 +94,8 @@ struct Of {
   static constexpr int dim = D;
   using shape = S;
 };
-using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<3, Linear>, Of<3, Quadratic>>;
+using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<2, UgimpOf<2>>, Of<3, Linear>,
+                             Of<3, Quadratic>, Of<3, Cubic>, Of<3, UgimpOf<2>>>;
 TYPED_TEST_SUITE(GridSums, Kinds);
 
 TYPED_TEST(GridSums, EveryNodeGetsWhatItsPointsScatterWhicheverTilesTheyAreIn) {
@@ -199,8 +200,29 @@ TYPED_TEST(GridSums, ForcesOfAStressedPointSumToZeroAndItsVirialIsTheStress) {
 
 // ---- walls -------------------------------------------------------------------------------------------------------
 
-TEST(Walls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
-  using Shape = Quadratic;
+template <class Shape>
+class Walls : public testing::Test {};
+using AllShapes = testing::Types<Linear, Quadratic, Cubic, UgimpOf<2>>;
+TYPED_TEST_SUITE(Walls, AllShapes);
+
+/// The weight that a point at x gives a node.
+template <class Shape>
+double weight(double x, int node) {
+  const auto w = Shape().at(x);
+  const int i = node - int(w.first);
+  return i >= 0 && i < Shape::support ? w.N[i] : 0;
+}
+
+TYPED_TEST(Walls, NoPointInFrontOfAWallReachesBeyondTheNextNodeBehindIt) {
+  for (double x = 0; x <= 4; x += 0.01)
+    for (int node = 2; node < 5; ++node) {
+      EXPECT_EQ(weight<TypeParam>(x, -node), 0) << x;
+      EXPECT_EQ(weight<TypeParam>(4 - x, 4 + node), 0) << x;
+    }
+}
+
+TYPED_TEST(Walls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
+  using Shape = TypeParam;
   Grid<2, Shape> grid;
   grid.arrange({{0, 0}}, {{{0, 0}, {3, 3}}});
   const auto loop = make_serial();
@@ -216,19 +238,17 @@ TEST(Walls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
     for (int t = 0; t < grid.n_tiles(); ++t) grid.add_windows(t);
     const Boundary<2, Shape> boundary(domain, grid);
     boundary.fold_images(grid, *loop);
-    // node (2, 1): weight 3/4 along x; along y its own N(y - 1) and the image's N(y + 1)
-    const auto w = Shape::at(y);
-    ASSERT_EQ(w.first, -1);
+    // node (2, 1): along y its own N(y - 1) and the image's N(y + 1)
     const NodeValue& sum = grid.sums(0)[TileLayout<2, Shape>::node({2, 1})];
-    const double own = 0.75 * w.N[2], image = 0.75 * w.N[0];
+    const double along = weight<Shape>(2, 2), own = along * weight<Shape>(y, 1), image = along * weight<Shape>(y, -1);
     EXPECT_NEAR(sum[3], 2 * (own + image), 1e-15);
     EXPECT_NEAR(sum[1], 5 * (own - image), 1e-15);
     EXPECT_NEAR(sum[0], 3 * (wall == WallKind::slip ? own + image : own - image), 1e-15);
   }
 }
 
-TEST(Walls, BesideAWallTheForbiddenVelocityIsLinearAndZeroOnIt) {
-  using Shape = Quadratic;
+TYPED_TEST(Walls, BesideAWallTheForbiddenVelocityIsLinearAndZeroOnIt) {
+  using Shape = TypeParam;
   Grid<2, Shape> grid;
   grid.arrange({{0, 0}}, {{{0, 0}, {3, 3}}});
   const auto loop = make_serial();
@@ -239,20 +259,22 @@ TEST(Walls, BesideAWallTheForbiddenVelocityIsLinearAndZeroOnIt) {
       const Index<2> k = TileLayout<2, Shape>::unflatten(i, tile_edge);
       const int y = k[1] + tile_edge * grid.tile(t).place[1];
       grid.velocity(t)[i] =
-          boundary.allowed(grid.tile(t).place, i) * NodeValue(y < 0 ? 99.0 : 1.0 + y);  // 1 on the wall: not allowed
+          boundary.allowed(grid.tile(t).place, i) * NodeValue(y < 0    ? 99.0
+                                                              : y == 0 ? 1.0
+                                                                       : 2.0 * y);  // 1 on the wall: not allowed
     }
   boundary.extend_to_images(grid, *loop, [&](int t) { return grid.velocity(t); });
   NodeValue window[TileLayout<2, Shape>::n_window], v, unused;
   grid.fill_window(0, grid.velocity(), window);
   for (double y : {0.0, 0.1, 0.25, 0.5}) {
     interpolate(Point<2, Shape>({1.7, y}, {0, 0}).weights(), window, window, v, unused);
-    EXPECT_NEAR(v[0], 2 * y, 1e-14);  // the first node off the wall has 2
+    EXPECT_NEAR(v[0], 2 * y, 1e-14);
     EXPECT_NEAR(v[1], 2 * y, 1e-14);
   }
 }
 
-TEST(Walls, InACornerBothWallsAct) {
-  using Shape = Quadratic;
+TYPED_TEST(Walls, InACornerBothWallsAct) {
+  using Shape = TypeParam;
   Grid<2, Shape> grid;
   grid.arrange({{0, 0}}, {{{0, 0}, {3, 3}}});
   const auto loop = make_serial();

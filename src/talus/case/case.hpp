@@ -20,10 +20,12 @@ inline constexpr Choice wall_choices[] = {
     {"no_slip", "rough: material at the wall sticks to it"},
 };
 
-enum class ShapeFunction { quadratic, linear };
+enum class ShapeFunction { quadratic, linear, cubic, ugimp };
 inline constexpr Choice shape_function_choices[] = {
     {"quadratic", "quadratic B-spline, three nodes an axis"},
     {"linear", "hat function, two nodes an axis; stress is noisy where points cross cells"},
+    {"cubic", "cubic B-spline, four nodes an axis; the smoothest, the widest, the longest steps"},
+    {"ugimp", "hat function averaged over a particle as wide as `spacing` (Bardenhagen and Kober 2004)"},
 };
 
 enum class Transfer { flip_tau, flip };

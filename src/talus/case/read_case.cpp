@@ -183,6 +183,21 @@ void read_bodies(Section& root, Case& what) {
   }
 }
 
+/// The default of `cfl`, and why: what a particle alone, pressed along all axes, bears at the worst place, dt < 2 sqrt(2/3)
+/// /sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines. uGIMP has
+/// 2/l + 1/(1 - l) with a half-width of l cells, 9.3 with two particles a cell and axis; it becomes the hat as l goes to
+/// 0. With hat functions, whose S has no bound, bodies break at 1: a particle that has just entered a cell pushes on
+/// nodes that have next to no mass (docs/performance.md, docs/numerics.md).
+std::pair<double, std::string_view> longest_step_of(ShapeFunction shape) {
+  switch (shape) {
+    case ShapeFunction::quadratic: return {0.65, "for quadratic shape functions"};
+    case ShapeFunction::linear: return {0.5, "for linear shape functions"};
+    case ShapeFunction::cubic: return {0.9, "for cubic shape functions"};
+    case ShapeFunction::ugimp: return {0.5, "for uGIMP"};
+  }
+  return {0.5, ""};
+}
+
 void read_numerics(Section& root, Case& what) {
   Section s = root.has("numerics") ? root.section("numerics", "how the equations are solved")
                                    : Section::empty(root, "numerics");
@@ -217,12 +232,9 @@ void read_numerics(Section& root, Case& what) {
                      1e-3)
           : 1e-3;
   n.dt = s.optional_number({"dt", "s", Range::positive(), "fixed time step; without it the step adapts"});
-  // With quadratic splines even a particle alone is stable up to 0.67 (Poisson's ratio 0.2), a body up to 1 and beyond.
-  // With hat functions a body breaks at 1: a particle that has just entered a cell pushes on nodes that have next to no
-  // mass (docs/performance.md).
-  const bool quadratic = n.shape_function == ShapeFunction::quadratic;
+  const auto [cfl, whose] = longest_step_of(n.shape_function);
   n.cfl = s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"},
-                   quadratic ? 0.65 : 0.5, quadratic ? "for quadratic shape functions" : "for linear shape functions");
+                   cfl, whose);
   n.stiffness_factor =
       s.number({"stiffness_factor",
                 "1",

@@ -4,7 +4,8 @@
 /// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall
 /// is the image of the one in front of it, and has its velocity turned round (slip: the normal component; no slip: all
 /// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
-/// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through.
+/// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through. Points
+/// do not leave the domain, so of no shape do they touch more than one node behind a wall.
 
 #include <array>
 

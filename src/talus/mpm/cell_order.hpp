@@ -13,6 +13,7 @@ namespace talus {
 template <int Dim>
 struct Body {
   std::string name;
+  double spacing;  ///< of the particles at the start [m]
   AnyLaw law;
   Particles<Dim> particles;
   std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid

@@ -1,6 +1,9 @@
 #include "talus/mpm/simulation.hpp"
 
-#include "talus/mpm/step.hpp"
+#include <stdexcept>
+
+#include "talus/base/error.hpp"
+#include "talus/mpm/make_stepper.hpp"
 
 namespace talus {
 
@@ -46,7 +49,7 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
   return std::visit(
       [&]<class Law>(const Law& law) {
         const int n = int(points.size());
-        Body<Dim> body{spec.name, scaled, Particles<Dim>(state_size<Law>), {}};
+        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>), {}};
         Particles<Dim>& p = body.particles;
         p.resize(n);
         // The points share the exact volume of the region, so its mass is exact whatever the lattice.
@@ -99,11 +102,18 @@ std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
     bodies.push_back(make_body<Dim>(what, spec, n));
     n += bodies.back().particles.size();
   }
+  const auto with = [&]<class Shape>(std::vector<Shape> shapes) {
+    return make_stepper<Dim, Shape>(domain, std::move(bodies), std::move(shapes), gravity, what.numerics, loop);
+  };
   switch (what.numerics.shape_function) {
-    case ShapeFunction::quadratic:
-      return std::make_unique<Stepper<Dim, Quadratic>>(domain, std::move(bodies), gravity, what.numerics, loop);
-    case ShapeFunction::linear:
-      return std::make_unique<Stepper<Dim, Linear>>(domain, std::move(bodies), gravity, what.numerics, loop);
+    case ShapeFunction::quadratic: return with(std::vector<Quadratic>(bodies.size()));
+    case ShapeFunction::linear: return with(std::vector<Linear>(bodies.size()));
+    case ShapeFunction::cubic: return with(std::vector<Cubic>(bodies.size()));
+    case ShapeFunction::ugimp: {
+      std::vector<Ugimp> shapes;
+      for (const Body<Dim>& body : bodies) shapes.emplace_back(0.5 * body.spacing / what.cell);
+      return with(std::move(shapes));
+    }
   }
   throw std::logic_error("unknown shape function");
 }

@@ -13,6 +13,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
 #include "talus/mpm/inspect.hpp"
+#include "talus/mpm/make_stepper.hpp"
 #include "talus/mpm/time_step.hpp"
 #include "talus/mpm/transfer.hpp"
 #include "talus/mpm/update_stress.hpp"
@@ -24,10 +25,12 @@ class Stepper final : public Simulation {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  Stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies, const Vec<Dim>& gravity, const Numerics& numerics,
-          Loop& loop)
+  /// `shapes`: one a body.
+  Stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies, std::vector<Shape> shapes, const Vec<Dim>& gravity,
+          const Numerics& numerics, Loop& loop)
       : domain_(domain),
         bodies_(std::move(bodies)),
+        shapes_(std::move(shapes)),
         gravity_(gravity),
         numerics_(numerics),
         loop_(loop),
@@ -211,17 +214,18 @@ class Stepper final : public Simulation {
 
   CellFinder<Dim> cells_of(int t) const { return {domain_.origin, 1 / domain_.h, grid_.tile(t).place}; }
 
-  /// The weights of `count` particles from `first` on, at most four.
-  FourWeights<Dim, Shape> weights(const Particles<Dim>& particles, int first, int count, int t) const {
-    return {domain_.in_cells(particles.places(first, count)), grid_.tile(t).place};
+  /// The weights of `count` particles of a body from `first` on, at most four.
+  FourWeights<Dim, Shape> weights(const Body<Dim>& body, int first, int count, int t) const {
+    return {domain_.in_cells(body.particles.places(first, count)), grid_.tile(t).place, shape_of(body)};
   }
+  const Shape& shape_of(const Body<Dim>& body) const { return shapes_[&body - bodies_.data()]; }
 
   void take_gradients(const Body<Dim>& body, int t, const NodeValue* velocity, Scratch& s) const {
     const TileParticles& tile = body.tiles[t];
     const Quad per_length(1 / domain_.h);
     for (int i = 0; i < tile.size(); i += 4) {
       const int count = std::min(4, tile.size() - i);
-      const auto w = weights(body.particles, tile.begin + i, count, t);
+      const auto w = weights(body, tile.begin + i, count, t);
       Quad columns[Dim][4];
       for (int lane = 0; lane < 4; ++lane) {
         NodeValue of_one[Dim];
@@ -246,7 +250,7 @@ class Stepper final : public Simulation {
     static constexpr int component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
     for (int i = 0; i < tile.size(); i += 4) {
       const int count = std::min(4, tile.size() - i);
-      const auto w = weights(body.particles, tile.begin + i, count, t);
+      const auto w = weights(body, tile.begin + i, count, t);
       Quad flux[Dim][4];
       for (int a = 0; a < Dim; ++a) {
         for (int b = 0; b < 4; ++b)
@@ -272,7 +276,7 @@ class Stepper final : public Simulation {
       const TileParticles& tile = body.tiles[t];
       for (int i = tile.begin; i < tile.end; i += 4) {
         const int count = std::min(4, tile.end - i);
-        const auto w = weights(p, i, count, t);
+        const auto w = weights(body, i, count, t);
         Quad at_v[4], at_a[4];
         for (int lane = 0; lane < 4; ++lane)
           interpolate(ParticleWeights<Dim, Shape>{w, lane}, v_new, a, at_v[lane], at_a[lane]);
@@ -298,7 +302,7 @@ class Stepper final : public Simulation {
       const TileParticles& tile = body.tiles[t];
       for (int i = tile.begin; i < tile.end; i += 4) {
         const int count = std::min(4, tile.end - i);
-        const auto w = weights(p, i, count, t);
+        const auto w = weights(body, i, count, t);
         const Quad mass = load<Quad>(p.mass() + i, count);
         Quad values[4];
         for (int axis = 0; axis < 3; ++axis)
@@ -453,6 +457,7 @@ class Stepper final : public Simulation {
 
   Domain<Dim> domain_;
   std::vector<Body<Dim>> bodies_;
+  std::vector<Shape> shapes_;  ///< of the bodies
   Vec<Dim> gravity_;
   Numerics numerics_;
   Loop& loop_;
@@ -468,6 +473,13 @@ class Stepper final : public Simulation {
   std::vector<Stiffening> contacts_;  ///< of squared wave speed where grains meet without stress, one a body
   bool broken_ = false;               ///< particles may stand anywhere
 };
+
+template <int Dim, class Shape>
+std::unique_ptr<Simulation> make_stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies,
+                                         std::vector<Shape> shapes, const Vec<Dim>& gravity, const Numerics& numerics,
+                                         Loop& loop) {
+  return std::make_unique<Stepper<Dim, Shape>>(domain, std::move(bodies), std::move(shapes), gravity, numerics, loop);
+}
 
 template <int Dim, class Shape>
 Observation Stepper<Dim, Shape>::observe() {

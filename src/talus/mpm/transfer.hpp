@@ -13,11 +13,11 @@ struct FourWeights {
   alignas(Quad) double N[Dim][n][4], dN[Dim][n][4];
   int first[4];  ///< the first node, in the window
 
-  FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& place) {
+  FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& place, const Shape& shape = Shape()) {
     using Layout = TileLayout<Dim, Shape>;
     Quad flat(0.0);
     for (int a = Dim - 1; a >= 0; --a) {
-      const auto w = Shape::at(x[a]);
+      const auto w = shape.at(x[a]);
       for (int i = 0; i < n; ++i) {
         store(N[a][i], w.N[i]);
         store(dN[a][i], w.dN[i]);

@@ -1,0 +1,16 @@
+#pragma once
+/// The stepper of each dimension and shape function; every shape is compiled in a file of its own.
+
+#include "talus/mpm/cell_order.hpp"
+#include "talus/mpm/shape.hpp"
+#include "talus/mpm/simulation.hpp"
+
+namespace talus {
+
+/// Lets bodies rest on a grid; `shapes` are theirs, one a body.
+template <int Dim, class Shape>
+std::unique_ptr<Simulation> make_stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies,
+                                         std::vector<Shape> shapes, const Vec<Dim>& gravity, const Numerics& numerics,
+                                         Loop& loop);
+
+}  // namespace talus

@@ -1,0 +1,10 @@
+#include "talus/mpm/step.hpp"
+
+namespace talus {
+
+template std::unique_ptr<Simulation> make_stepper(const Domain<2>&, std::vector<Body<2>>, std::vector<Ugimp>,
+                                                  const Vec<2>&, const Numerics&, Loop&);
+template std::unique_ptr<Simulation> make_stepper(const Domain<3>&, std::vector<Body<3>>, std::vector<Ugimp>,
+                                                  const Vec<3>&, const Numerics&, Loop&);
+
+}  // namespace talus
