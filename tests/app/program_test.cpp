@@ -131,6 +131,49 @@ TEST_F(Program, AScaledStiffnessIsSaidWhereverARunIsSpokenOf) {
   EXPECT_FALSE(has(unscaled.output, "stiffness is scaled")) << unscaled.output;
 }
 
+TEST_F(Program, AResultThatDependsOnTheTimeStepIsSaidToDoSo) {
+  const auto said = [&](const std::string& numerics, const std::string& name) {
+    std::string text = contents(cases + "free_fall.toml");
+    text.replace(text.find("tau = \"10 ms\""), 13, numerics);
+    const Finished run = talus("run " + write(name + ".toml", text) + " --until '5 ms' --out " + in(name));
+    EXPECT_EQ(run.code, 0) << run.output;
+    const bool printed = has(run.output, "depends on the time step by construction");
+    EXPECT_EQ(printed, has(contents(folder_ / name / "report.html"), "depends on the time step by construction"));
+    return printed;
+  };
+  EXPECT_TRUE(said("transfer = \"apic\"", "apic"));
+  EXPECT_TRUE(said("transfer = \"tpic\"", "tpic"));
+  EXPECT_TRUE(said("transfer = \"flip\"\nflip_share = 0", "pic"));
+  EXPECT_FALSE(said("transfer = \"flip\"", "flip"));
+  EXPECT_FALSE(said("tau = \"10 ms\"", "flip_tau"));
+}
+
+TEST_F(Program, ThePapersPresetIsCalledWhatItIs) {
+  std::string text = contents(cases + "slump_2d.toml");
+  text.replace(text.find("[run]"), 5, "[numerics]\npreset = \"paper\"\ndt = \"2 us\"\n[run]");
+  text.replace(text.find("spacing = \"0.5 mm\""), 18, "spacing = \"1 mm\"");
+  const std::string file = write("paper.toml", text);
+  EXPECT_TRUE(has(talus("check " + file).output, "is the paper's scheme as printed"));
+  const Finished run = talus("run " + file + " --until '0.05 ms' --out " + in("paper"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "This case departs from it: dt = 2e-06 s.")) << run.output;
+  EXPECT_TRUE(has(contents(folder_ / "paper/record.json"), "is the paper's scheme as printed"));
+  EXPECT_TRUE(has(contents(folder_ / "paper/report.html"), "scheme as printed"));
+}
+
+TEST_F(Program, ACylinderAroundAnAxisIsReportedByItsRadius) {
+  std::string text = contents(cases + "elastic_bar.toml");
+  text.replace(text.find("plane_strain"), 12, "axisymmetric");
+  const Finished run = talus("run " + write("round.toml", text) + " --until '5 ms' --out " + in("round"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  const std::string report = contents(folder_ / "round/report.html");
+  EXPECT_TRUE(has(report, "largest radius"));
+  EXPECT_FALSE(has(report, "right front"));
+  EXPECT_TRUE(has(report, "per radian"));
+  const auto record = nlohmann::json::parse(contents(folder_ / "round/record.json"));
+  EXPECT_NEAR(record["outline_metre"]["start"]["front_radius"].get<double>(), 0.2, 1e-12);
+}
+
 TEST_F(Program, ARunSaysWhatBoundedItsSteps) {
   const Finished run = talus("run " + cases + "elastic_bar.toml --until '20 ms' --out " + in("bar"));
   ASSERT_EQ(run.code, 0) << run.output;
@@ -151,7 +194,7 @@ TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
   EXPECT_EQ(list.code, 0);
   for (const char* part :
        {"granular", "simsand", "mu_i", "mohr_coulomb", "drucker_prager", "linear_elastic", "newtonian_fluid", "Phi_c",
-        "quadratic", "linear", "flip_tau", "no_slip", "kg/m3", "at most 48 deg"})
+        "quadratic", "linear", "cubic", "ugimp", "flip_tau", "apic", "tpic", "musl", "paper", "no_slip", "kg/m3", "at most 48 deg"})
     EXPECT_TRUE(has(list.output, part)) << part;
 }
 

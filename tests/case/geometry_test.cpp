@@ -38,6 +38,14 @@ TEST(Geometry, DepthIsMeasuredStraightUpToTheSurface) {
   EXPECT_NEAR(depth_below_surface(Cylinder{{0, 0, 0}, 1, 0}, {0.6, 0, 0}, 2), 0.8, 1e-15);
 }
 
+TEST(Geometry, VolumesPerRadianAreAreasTimesTheRadiusOfTheirCentroid) {
+  EXPECT_DOUBLE_EQ(volume_per_radian(Box{{1, 0, 0}, {3, 2, 0}}), 0.5 * (9 - 1) * 2);     // height (r2^2 - r1^2)/2
+  EXPECT_DOUBLE_EQ(volume_per_radian(Cylinder{{3, 1, 0}, 1, 0}), 3 * std::numbers::pi);  // a torus over 2 pi
+  // a cone of radius 2 and height 3: (1/3) pi r^2 h/(2 pi) = 2, its corners in either sense
+  EXPECT_NEAR(volume_per_radian(Polygon{{{0, 0}, {2, 0}, {0, 3}}, 0, 0}), 2, 1e-15);
+  EXPECT_NEAR(volume_per_radian(Polygon{{{0, 3}, {2, 0}, {0, 0}}, 0, 0}), 2, 1e-15);
+}
+
 TEST(Geometry, FaultyRegionsAreNamed) {
   EXPECT_EQ(fault(slope, 2), "");
   EXPECT_NE(fault(Box{{0, 0, 0}, {1, 0, 1}}, 3), "");

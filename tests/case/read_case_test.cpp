@@ -181,6 +181,80 @@ TEST(ReadCase, AStiffnessThatALawDoesNotHaveCannotBeScaled) {
   EXPECT_NE(said.find("must be 1: law `mu_i` of material `glass` has no elastic stiffness"), std::string::npos) << said;
 }
 
+/// The numerics of the slump with a text as its section [numerics].
+Numerics with_numerics(const std::string& lines) {
+  return read_case_text("case.toml", slump("[run]", "[numerics]\n" + lines + "\n[run]")).what.numerics;
+}
+
+TEST(ReadCase, TheStepsMayBeAsLongAsTheShapeBears) {
+  EXPECT_EQ(with_numerics("").cfl, 0.65);
+  EXPECT_EQ(with_numerics("shape = \"linear\"").cfl, 0.5);
+  EXPECT_EQ(with_numerics("shape = \"cubic\"").cfl, 0.9);
+  EXPECT_EQ(with_numerics("shape = \"ugimp\"").cfl, 0.5);
+}
+
+TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
+  EXPECT_EQ(with_numerics("transfer = \"apic\"").transfer, Transfer::apic);
+  EXPECT_EQ(with_numerics("shape = \"linear\"\ntransfer = \"tpic\"").transfer, Transfer::tpic);
+  expect_complaint("[run]", "[numerics]\nshape = \"linear\"\ntransfer = \"apic\"\n[run]", "apic needs smoother shapes");
+  expect_complaint("[run]", "[numerics]\ntransfer = \"tpic\"\ntau = \"1 ms\"\n[run]", "tau is no key of");
+  EXPECT_TRUE(with_numerics("f_bar = true").f_bar);
+  EXPECT_FALSE(with_numerics("f_bar = true").average_pressure);
+  EXPECT_TRUE(with_numerics("").average_pressure);
+  expect_complaint("[run]", "[numerics]\nf_bar = true\naverage_pressure = true\n[run]", "must be false with `f_bar`");
+  EXPECT_EQ(with_numerics("").order, Order::usf);
+  EXPECT_EQ(with_numerics("order = \"musl\"").order, Order::musl);
+}
+
+TEST(ReadCase, ThePapersPresetIsItsWholeSchemeAndGivesWayToWhatIsSpelt) {
+  const CaseFile file = read_case_text("case.toml", slump("[run]", "[numerics]\npreset = \"paper\"\n[run]"));
+  const Numerics& n = file.what.numerics;
+  EXPECT_EQ(n.shape_function, ShapeFunction::linear);
+  EXPECT_EQ(n.transfer, Transfer::flip);
+  EXPECT_EQ(n.flip_share, 1);
+  EXPECT_EQ(n.order, Order::usf);
+  EXPECT_EQ(n.integration.scheme, Integrator::forward_euler);
+  EXPECT_FALSE(n.average_pressure);
+  EXPECT_FALSE(n.f_bar);
+  EXPECT_DOUBLE_EQ(*n.dt, 1e-6);
+  EXPECT_EQ(std::get<GranularWithHistory>(file.what.materials.at(0).law).collisional.form, CollisionalForm::rate);
+  for (const Understood& u : file.understood)
+    if (u.path == "material.glass.collisional_form") {
+      EXPECT_EQ(u.value, "rate");
+      EXPECT_TRUE(u.by_default);
+    }
+  const Numerics other = with_numerics("preset = \"paper\"\nshape = \"quadratic\"\ndt = \"5 us\"");
+  EXPECT_EQ(other.shape_function, ShapeFunction::quadratic);
+  EXPECT_DOUBLE_EQ(*other.dt, 5e-6);
+  EXPECT_EQ(other.transfer, Transfer::flip);
+  expect_complaint("[run]", "[numerics]\npreset = \"papr\"\n[run]", "did you mean `paper`?");
+}
+
+TEST(ReadCase, AroundAnAxisTheRadiusIsNotNegativeAndTheAxisIsSmooth) {
+  const auto around = [](const std::string& min, const std::string& walls) {
+    std::string text = slump("kind = \"plane_strain\"", "kind = \"axisymmetric\"");
+    const auto replace = [&](const std::string& what, const std::string& with) {
+      EXPECT_NE(text.find(what), std::string::npos) << what;
+      text.replace(text.find(what), what.size(), with);
+    };
+    replace("min = [\"-240 mm\", \"0 mm\"]", "min = [\"" + min + "\", \"0 mm\"]");
+    replace("y_min = \"no_slip\"", walls);
+    replace("min = [\"-40 mm\", \"0 mm\"]", "min = [\"0 mm\", \"0 mm\"]");
+    return text;
+  };
+  const Case c = read_case_text("case.toml", around("0 mm", "x_min = \"slip\"\ny_min = \"no_slip\"")).what;
+  EXPECT_EQ(c.dim, 2);
+  EXPECT_TRUE(c.axisymmetric);
+  for (const char* walls : {"y_min = \"no_slip\"", "x_min = \"no_slip\""}) {
+    const std::string said = complaints(around("0 mm", walls));
+    EXPECT_NE(said.find("must be `slip`: x = 0 is the axis"), std::string::npos) << said;
+  }
+  EXPECT_NE(complaints(around("-240 mm", "x_min = \"slip\"")).find("must not be below 0 along x"), std::string::npos);
+  std::string corner = around("0 mm", "x_min = \"slip\"");
+  corner.replace(corner.find("void_ratio ="), 0, "lattice = \"corner\"\n");
+  EXPECT_NE(complaints(corner).find("particles on the axis would have no volume"), std::string::npos);
+}
+
 TEST(ReadCase, ATextThatIsNoTomlIsRefusedWhereItStops) {
   const std::string said = complaints("title = \"x\"\n[domain\n");
   EXPECT_EQ(said.rfind("case.toml:2:", 0), 0u) << said;

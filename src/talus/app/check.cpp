@@ -33,8 +33,8 @@ int check_case(const std::string& case_file, int threads) {
   fmt::print("{} is understood as\n", case_file);
   print_understood(input.understood);
 
-  if (const std::string notice = notice_of_stiffness(what.numerics); !notice.empty())
-    fmt::print("\nwarning: {}\n", notice);
+  for (const std::string& notice : {notice_of_stiffness(what.numerics), notice_of_preset(what)})
+    if (!notice.empty()) fmt::print("\nwarning: {}\n", notice);
 
   const auto loop = make_openmp(threads);
   const auto simulation = make_simulation(what, *loop);

@@ -40,8 +40,10 @@ int list_everything() {
           fmt::format("{}{}{}", told.empty() ? "" : ", ", q.name, q.unit == "1" ? "" : fmt::format(" [{}]", q.unit));
     fmt::print("{}\n", told);
   });
+  print_choices("Presets (numerics.preset)", preset_choices);
   print_choices("Shape functions (numerics.shape)", shape_function_choices);
   print_choices("Transfers (numerics.transfer)", transfer_choices);
+  print_choices("Order (numerics.order)", order_choices);
   print_choices("Integrators (numerics.integrator; driver.integrator of element tests)", integrator_choices);
   print_choices("Walls (domain.walls.x_min, x_max, y_min, ...)", wall_choices);
   print_choices("Initial stress (body.NAME.initial_stress)", initial_stress_choices);

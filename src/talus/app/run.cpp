@@ -56,7 +56,7 @@ int run_case(const RunOptions& options) {
   const std::string how_to_go_on = command_to_resume(folder, options.threads);
   Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
   if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
-  History history(folder / "history.csv", what.dim, so_far.history_bytes);
+  History history(folder / "history.csv", what.dim, what.axisymmetric, so_far.history_bytes);
   SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
   PictureBook pictures(folder / "pictures", what, so_far.instants);
   std::vector<double> picture_times = what.output.pictures;

@@ -20,6 +20,13 @@ inline constexpr Choice wall_choices[] = {
     {"no_slip", "rough: material at the wall sticks to it"},
 };
 
+enum class Preset { standard, paper };
+inline constexpr Choice preset_choices[] = {
+    {"standard", "every key has the default that talus recommends"},
+    {"paper",
+     "the paper's scheme as printed: linear, flip, usf, forward_euler, dt = 1 us, collisional_form rate, no averaging"},
+};
+
 enum class ShapeFunction { quadratic, linear, cubic, ugimp };
 inline constexpr Choice shape_function_choices[] = {
     {"quadratic", "quadratic B-spline, three nodes an axis"},
@@ -28,10 +35,18 @@ inline constexpr Choice shape_function_choices[] = {
     {"ugimp", "hat function averaged over a particle as wide as `spacing` (Bardenhagen and Kober 2004)"},
 };
 
-enum class Transfer { flip_tau, flip };
+enum class Transfer { flip_tau, flip, apic, tpic };
 inline constexpr Choice transfer_choices[] = {
     {"flip_tau", "FLIP that forgets sub-grid velocity at a rate 1/tau: the result does not depend on the time step"},
-    {"flip", "FLIP with a fixed share `flip_share` a step; below 1 the result depends on the time step"},
+    {"flip", "FLIP with a fixed share `flip_share` a step, 0 is PIC; below 1 the result depends on the time step"},
+    {"apic", "affine PIC (Jiang et al. 2015): keeps angular momentum; the result depends on the time step"},
+    {"tpic", "Taylor PIC: particles hand on their velocity gradient; the result depends on the time step"},
+};
+
+enum class Order { usf, musl };
+inline constexpr Choice order_choices[] = {
+    {"usf", "stress first, from the velocity that the nodes have at the start of the step (the paper's order)"},
+    {"musl", "stress last, from the particles' new velocity given back to the nodes (Sulsky et al. 1995)"},
 };
 
 enum class InitialStress { k0, zero };
@@ -51,12 +66,13 @@ inline constexpr Choice lattice_choices[] = {
 inline constexpr Quantity common_quantities[] = {
     {"velocity", "m/s", 3, "velocity"},
     {"body", "1", 1, "number of the body, in the order of the case"},
-    {"mass", "kg", 1, "mass; in plane strain per metre of thickness"},
-    {"volume", "m3", 1, "volume; in plane strain per metre of thickness"},
+    {"mass", "kg", 1, "mass; in plane strain per metre of thickness, axisymmetric per radian"},
+    {"volume", "m3", 1, "volume; in plane strain per metre of thickness, axisymmetric per radian"},
     {"stress", "Pa", 6, "total Cauchy stress, tension-positive"},
     {"p", "Pa", 1, "mean pressure of the total stress"},
     {"q", "Pa", 1, "von Mises stress of the total stress"},
     {"shear_rate", "1/s", 1, "|g| = sqrt(D:D/2) of the strain rate's deviator D"},
+    {"spin", "kg m2/s", 3, "angular momentum about the particle's own place; only with transfer apic"},
 };
 /// What snapshots hold if the user does not say otherwise.
 inline constexpr std::string_view usual_fields[] = {
@@ -81,11 +97,14 @@ struct BodySpec {
 };
 
 struct Numerics {
+  Preset preset = Preset::standard;  ///< what the defaults of the rest were
   ShapeFunction shape_function = ShapeFunction::quadratic;
   Transfer transfer = Transfer::flip_tau;
   double tau = 0;         ///< [s]
   double flip_share = 1;  ///< of `flip`
+  Order order = Order::usf;
   bool average_pressure = true;
+  bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   Integration integration;
   double cfl = 0.65;
   /// Multiplies the elastic stiffness of every material: softer ground lets the steps be longer.
@@ -102,10 +121,22 @@ struct OutputSpec {
   double checkpoint_wall = 600;       ///< interval on the clock [s]
 };
 
+inline std::string_view word_of(Transfer transfer) { return transfer_choices[int(transfer)].word; }
+
+/// Whether particles remember how velocity varies around them.
+inline bool is_affine(Transfer transfer) { return transfer == Transfer::apic || transfer == Transfer::tpic; }
+
+/// Whether a share of the particles' velocity is lost every step, however short, so that the result depends on the step.
+inline bool depends_on_step(const Numerics& n) {
+  return is_affine(n.transfer) || (n.transfer == Transfer::flip && n.flip_share < 1);
+}
+
 /// A run of the material point method.
 struct Case {
   std::string title;
   int dim = 2;  ///< 2: plane strain, x and y, y upwards as gravity has it; 3: x, y, z
+  bool axisymmetric =
+      false;  ///< with 2: x is the radius, nothing varies around the axis; all extensive things per radian
   Box domain{};
   double cell = 0;  ///< size of the grid's cells [m]
   Index<3> n_cells{};

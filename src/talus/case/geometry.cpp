@@ -109,6 +109,21 @@ double volume(const Region& region, int dim) {
       region);
 }
 
+double volume_per_radian(const Region& region) {
+  return std::visit(Overloaded{[&](const Box& b) { return 0.5 * (b.min[0] + b.max[0]) * volume(region, 2); },
+                               [&](const Cylinder& c) { return c.centre[0] * volume(region, 2); },
+                               [&](const Polygon& p) {
+                                 // of the triangles that the edges make with the origin
+                                 double moment = 0;
+                                 for (std::size_t i = 0, j = p.corners.size() - 1; i < p.corners.size(); j = i++) {
+                                   const Vec<2>&a = p.corners[j], &b = p.corners[i];
+                                   moment += (a[0] + b[0]) / 6 * (a[0] * b[1] - b[0] * a[1]);
+                                 }
+                                 return std::abs(moment);
+                               }},
+                    region);
+}
+
 double depth_below_surface(const Region& region, const Vec<3>& x, int dim) {
   return std::visit(Overloaded{[&](const Box& b) { return b.max[dim - 1] - x[dim - 1]; },
                                [&](const Cylinder& c) {

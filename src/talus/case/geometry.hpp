@@ -14,7 +14,8 @@ struct Box {
   Vec<3> min, max;
 };
 
-/// An upright circular cylinder on its base's centre, along the last axis; in plane strain a disk around its centre.
+/// An upright circular cylinder on its base's centre, along the last axis; in plane strain a disk around its centre,
+/// axisymmetric a torus.
 struct Cylinder {
   Vec<3> centre;
   double radius;
@@ -38,6 +39,10 @@ bool contains(const Region& region, const Vec<3>& x, int dim);
 
 /// Volume [m3], or in plane strain area times a metre.
 double volume(const Region& region, int dim);
+
+/// Volume [m3] per radian of what a shape in the plane sweeps around the axis x = 0: its area times the radius of its
+/// centroid (Pappus).
+double volume_per_radian(const Region& region);
 
 /// Height of the shape's surface straight above a point inside [m]: the length of the vertical line from the point to
 /// where it leaves the shape for good.

@@ -20,9 +20,13 @@ Vec<3> vector_of(const std::vector<double>& values) {
 
 void read_domain(Section& root, Case& what) {
   Section s = root.section("domain", "the box the grid fills");
-  static constexpr Choice kinds[] = {{"plane_strain", "x and y; nothing moves or varies along z"},
-                                     {"3d", "x, y and z"}};
-  what.dim = s.required_choice({"kind", "plane strain or three dimensions", kinds}) == 0 ? 2 : 3;
+  static constexpr Choice kinds[] = {
+      {"plane_strain", "x and y; nothing moves or varies along z"},
+      {"3d", "x, y and z"},
+      {"axisymmetric", "x is the radius and y points upwards; nothing varies around the axis"}};
+  const int kind = s.required_choice({"kind", "plane strain, three dimensions or around an axis", kinds});
+  what.dim = kind == 1 ? 3 : 2;
+  what.axisymmetric = kind == 2;
   const Parameter min{"min", "m", {}, "lower corner of the domain"}, max{"max", "m", {}, "upper corner of the domain"};
   what.domain = {vector_of(s.numbers(min, what.dim)), vector_of(s.numbers(max, what.dim))};
   what.cell = s.number({"cell", "m", Range::positive(), "size of the grid's cells"});
@@ -55,12 +59,25 @@ void read_domain(Section& root, Case& what) {
     else
       s.note("walls." + key, "open", "wall on this side of the domain");
   }
+  if (what.axisymmetric) {
+    if (what.domain.min[0] < 0) s.complain("min", "must not be below 0 along x, which is the radius");
+    if (what.domain.min[0] == 0 && what.walls[0] != WallKind::slip) {
+      const std::string_view why =
+          "must be `slip`: x = 0 is the axis, through which nothing passes and along which all may slide";
+      if (s.has("walls"))
+        walls.complain("x_min", why);
+      else
+        s.complain(fmt::format("`walls.x_min` {}", why));
+    }
+    if (what.gravity[0] != 0) s.complain("gravity", "must act along the axis, y");
+  }
   if (s.has("walls")) walls.close("the walls; sides of the domain are named x_min, x_max, y_min, ...");
   s.close("[domain]");
 }
 
-void read_materials(Section& root, Case& what) {
+void read_materials(Section& root, bool as_in_the_paper, Case& what) {
   for (auto& [name, section] : root.named_sections("material", "what bodies are made of")) {
+    if (as_in_the_paper) section.prefer("collisional_form", "rate");
     Material material{name, read_law(section), 0};
     std::visit(
         [&](const auto& law) {
@@ -135,6 +152,8 @@ void read_bodies(Section& root, Case& what) {
     body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
     body.velocity =
         s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
+    if (what.axisymmetric && body.lattice == Lattice::corner && bounding_box(body.region, 2).min[0] <= 0)
+      s.complain("lattice", "must be `cells`: particles on the axis would have no volume");
     const AnyLaw* law = body.material >= 0 ? &what.materials[body.material].law : nullptr;
     if (const std::optional<Range> range = law ? void_ratios_of(*law) : std::nullopt)
       body.void_ratio = s.number({"void_ratio", "1", *range, "void ratio at the start"});
@@ -198,12 +217,22 @@ std::pair<double, std::string_view> longest_step_of(ShapeFunction shape) {
   return {0.5, ""};
 }
 
-void read_numerics(Section& root, Case& what) {
-  Section s = root.has("numerics") ? root.section("numerics", "how the equations are solved")
-                                   : Section::empty(root, "numerics");
+void read_numerics(Section& s, Case& what) {
   Numerics& n = what.numerics;
+  n.preset = Preset(s.choice({"preset", "where the defaults of the other keys come from", preset_choices}));
+  const bool paper = n.preset == Preset::paper;
+  if (paper) {
+    s.prefer("shape", "linear");
+    s.prefer("transfer", "flip");
+    s.prefer("integrator", "forward_euler");
+  }
   n.shape_function = ShapeFunction(s.choice({"shape", "shape functions", shape_function_choices}));
   n.transfer = Transfer(s.choice({"transfer", "how velocity goes between particles and grid", transfer_choices}));
+  if (n.transfer == Transfer::apic && n.shape_function == ShapeFunction::linear)
+    s.complain(
+        "transfer",
+        "apic needs smoother shapes: hat functions hand the particles' moments to nodes that have next to no mass; "
+        "use shape = \"quadratic\", or transfer = \"tpic\"");
   if (n.transfer == Transfer::flip_tau) {
     const Parameter tau{"tau", "s", Range::positive(), "time in which velocity that the grid cannot hold decays"};
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -221,7 +250,11 @@ void read_numerics(Section& root, Case& what) {
     n.flip_share = s.number(
         {"flip_share", "1", Range::between(0, 1), "share of the particles' own velocity that is kept each step"}, 1.0);
   }
-  n.average_pressure = s.flag("average_pressure", true, "average the elastic compression over each cell");
+  n.order = Order(s.choice({"order", "when the stress is updated", order_choices}));
+  n.f_bar = s.flag("f_bar", false, "average the rate of volume change over each cell (not with average_pressure)");
+  n.average_pressure = s.flag("average_pressure", !n.f_bar && !paper, "average the elastic compression over each cell");
+  if (n.f_bar && n.average_pressure)
+    s.complain("average_pressure", "must be false with `f_bar`: it averages the rate of volume change as well");
   static constexpr Choice integrators[] = {integrator_choices[1], integrator_choices[0], integrator_choices[2]};
   static constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler,
                                            Integrator::forward_euler};
@@ -231,7 +264,8 @@ void read_numerics(Section& root, Case& what) {
           ? s.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of a substep of the integrator"},
                      1e-3)
           : 1e-3;
-  n.dt = s.optional_number({"dt", "s", Range::positive(), "fixed time step; without it the step adapts"});
+  const Parameter dt{"dt", "s", Range::positive(), "fixed time step; without it the step adapts"};
+  n.dt = paper ? s.number(dt, 1e-6, "as in the paper") : s.optional_number(dt);
   const auto [cfl, whose] = longest_step_of(n.shape_function);
   n.cfl = s.number({"cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"},
                    cfl, whose);
@@ -288,9 +322,11 @@ Case read(Document& document) {
   Section root = Section::root(document);
   what.title = root.text("title", "what the case is, in one line");
   read_domain(root, what);
-  read_materials(root, what);
+  Section numerics = root.has("numerics") ? root.section("numerics", "how the equations are solved")
+                                          : Section::empty(root, "numerics");
+  read_materials(root, numerics.is_text("preset", "paper"), what);
   read_bodies(root, what);
-  read_numerics(root, what);
+  read_numerics(numerics, what);
   Section run = root.section("run", "how long");
   what.end = run.number({"end", "s", Range::positive(), "simulated time at which the run ends"});
   run.close("[run]");

@@ -175,12 +175,16 @@ std::string Section::text(std::string_view key, std::string_view meaning, std::s
 
 int Section::choice(const Option& option) {
   const toml::node* node = find(option.key, option.meaning);
-  if (!node) {
-    understand(option.key, std::string(option.choices[0].word), true, option.meaning);
-    return 0;
-  }
   std::vector<std::string_view> words;
   for (const Choice& c : option.choices) words.push_back(c.word);
+  if (!node) {
+    const auto preferred = preferred_.find(option.key);
+    const auto found =
+        preferred == preferred_.end() ? words.end() : std::find(words.begin(), words.end(), preferred->second);
+    const int i = found == words.end() ? 0 : int(found - words.begin());
+    understand(option.key, std::string(words[i]), true, option.meaning);
+    return i;
+  }
   const auto word = node->value<std::string_view>();
   for (std::size_t i = 0; i < words.size(); ++i)
     if (word && node->is_string() && words[i] == *word) {

@@ -61,7 +61,9 @@ class Section {
 
   std::string text(std::string_view key, std::string_view meaning);
   std::string text(std::string_view key, std::string_view meaning, std::string_view by_default);
-  /// The number of the word chosen; the first choice is the default.
+  /// Makes a word the default of a choice in place of the first.
+  void prefer(std::string_view key, std::string_view word) { preferred_.insert_or_assign(std::string(key), word); }
+  /// The number of the word chosen; the first choice is the default, unless another was preferred.
   int choice(const Option& option);
   int required_choice(const Option& option);
 
@@ -113,6 +115,7 @@ class Section {
   Document* document_;
   const toml::table* table_;
   std::string path_;
+  std::map<std::string, std::string, std::less<>> preferred_;
   bool absent_ = false;                                    ///< stands in for a section that is missing
   std::map<std::string, std::string, std::less<>> known_;  ///< keys that were asked for, and their meaning
 };

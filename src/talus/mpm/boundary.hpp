@@ -22,6 +22,7 @@ struct Domain {
   double h;  ///< cell size [m]
   Index<Dim> n_cells;
   std::array<WallKind, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
+  bool axisymmetric = false;            ///< in 2D: the first axis is the radius [m]
 
   /// A place in units of cells from the origin; for one point or for several at once.
   template <class Places>

@@ -41,6 +41,13 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
   put(common("body"), [&](int, double* v) { *v = number; });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
+  if (p.extras().moment)
+    put(common("spin"), [&](int i, double* v) {
+      for (int a = 0; a < 3; ++a) {
+        const int b = (a + 1) % 3, c = (a + 2) % 3;
+        v[a] = b < Dim && c < Dim ? p.mass()[i] * (p.affine(c, b)[i] - p.affine(b, c)[i]) : 0;
+      }
+    });
   std::visit(
       [&]<class Law>(const Law& law) {
         const auto state = [&](int i) { return state_of<Law>(p, i); };
@@ -57,14 +64,15 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
 }
 
 template <int Dim>
-void place_body(const Body<Dim>& body, ParticlePlaces& all) {
+void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = 0; i < p.size(); ++i) {
           const auto id = std::size_t(p.id()[i]);
           for (int a = 0; a < 3; ++a) all.places[id][a] = a < Dim ? p.position(a)[i] : 0;
-          all.sizes[id] = std::pow(p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)), 1.0 / Dim);
+          const double volume = p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i));
+          all.sizes[id] = size_of_particle(volume, axisymmetric ? p.position(0)[i] : 1, Dim);
         }
       },
       body.law);
@@ -135,12 +143,10 @@ double fastest_wave(const Body<Dim>& body, const Integration& how) {
   double speed2 = 0;
   std::visit(
       [&]<class Law>(const Law& law) {
-        // The stiffness is that of a step in which nothing happens.
-        const Motion<double> nothing{SymTensor<double>::zero(), SymTensor<double>::zero(), 1};
         for (int i = 0; i < p.size(); ++i) {
-          auto state = state_of<Law>(p, i);
+          const auto state = state_of<Law>(p, i);
           const double volume = p.reference_volume()[i] * law.specific_volume(state);
-          speed2 = std::max(speed2, law.update(state, nothing, how).stiffness * volume / p.mass()[i]);
+          speed2 = std::max(speed2, stiffness_at_rest(law, state, how) * volume / p.mass()[i]);
         }
       },
       body.law);
@@ -149,8 +155,8 @@ double fastest_wave(const Body<Dim>& body, const Integration& how) {
 
 template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
-template void place_body(const Body<2>&, ParticlePlaces&);
-template void place_body(const Body<3>&, ParticlePlaces&);
+template void place_body(const Body<2>&, bool, ParticlePlaces&);
+template void place_body(const Body<3>&, bool, ParticlePlaces&);
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
 template double elastic_energy(const Body<2>&);

@@ -16,9 +16,9 @@ template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
                   Observation& seen);
 
-/// Fills in the places and sizes of a body's particles.
+/// Fills in the places and sizes of a body's particles, whose volumes are per radian if axisymmetric.
 template <int Dim>
-void place_body(const Body<Dim>& body, ParticlePlaces& all);
+void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
 
 /// Everything about one particle, a line a quantity.
 template <int Dim>
@@ -32,6 +32,12 @@ double elastic_energy(const Body<Dim>& body);
 /// stiffness does not depend on stress.
 template <int Dim>
 std::optional<Stiffening> contact_stiffening(const Body<Dim>& body);
+
+/// Stiffness of a state in a step in which nothing happens, K + 4/3 G [Pa].
+template <class Law>
+double stiffness_at_rest(const Law& law, typename Law::template State<double> state, const Integration& how) {
+  return law.update(state, Motion<double>{SymTensor<double>::zero(), SymTensor<double>::zero(), 1}, how).stiffness;
+}
 
 /// Speed of the fastest compression wave in a body [m/s].
 template <int Dim>

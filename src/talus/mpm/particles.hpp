@@ -21,17 +21,34 @@ struct ParticleField {
   int components;
 };
 
+/// What some choices of the solver make a particle remember besides.
+struct ParticleExtras {
+  bool moment = false;    ///< transfer `apic`
+  bool gradient = false;  ///< transfer `tpic`
+  bool modulus = false;   ///< order `musl`
+};
+
 /// The fields of a particle whose law remembers `n_state` numbers. Storage, sorting, restart and output all walk this
 /// list.
 template <int Dim>
-std::vector<ParticleField> particle_fields(int n_state) {
-  return {
-      {"position", 0, Dim},                  // [m]
-      {"velocity", Dim, Dim},                // [m/s]
-      {"mass", 2 * Dim, 1},                  // [kg], in plane strain per metre of thickness
-      {"reference_volume", 2 * Dim + 1, 1},  // [m3] at specific volume 1: the grains' own volume, or that at the start
-      {"id", 2 * Dim + 2, 1},                // number from 0 in the order of creation
-      {"state", 2 * Dim + 3, n_state}};      // what the law remembers
+std::vector<ParticleField> particle_fields(int n_state, const ParticleExtras& extras) {
+  int first = 0;
+  std::vector<ParticleField> fields;
+  const auto add = [&](const char* name, int components) {
+    if (components == 0) return;
+    fields.push_back({name, first, components});
+    first += components;
+  };
+  add("position", Dim);        // [m]
+  add("velocity", Dim);        // [m/s]
+  add("mass", 1);              // [kg], in plane strain per metre of thickness, axisymmetric per radian
+  add("reference_volume", 1);  // [m3] at specific volume 1: the grains' own volume, or that at the start
+  add("id", 1);                // number from 0 in the order of creation
+  add("state", n_state);       // what the law remembers
+  add("velocity_moment", extras.moment ? Dim * Dim : 0);      // sum N_I v_I (x_I - x)^T [m2/s], row by row
+  add("velocity_gradient", extras.gradient ? Dim * Dim : 0);  // [1/s], row by row
+  add("wave_modulus", extras.modulus ? 1 : 0);                // volume times K + 4/3 G [J]
+  return fields;
 }
 
 /// The places of four particles, an axis each.
@@ -42,11 +59,13 @@ using FourPlaces = std::array<Quad, Dim>;
 template <int Dim>
 class Particles {
  public:
-  explicit Particles(int n_state) : columns_(2 * Dim + 3 + n_state), n_state_(n_state) {}
+  explicit Particles(int n_state, const ParticleExtras& extras = {})
+      : columns_(n_columns(n_state, extras)), n_state_(n_state), extras_(extras) {}
 
   int size() const { return columns_.size(); }
   void resize(int n) { columns_.resize(n); }
   int n_state() const { return n_state_; }
+  const ParticleExtras& extras() const { return extras_; }
 
   double* position(int axis) { return columns_.column(axis); }
   const double* position(int axis) const { return columns_.column(axis); }
@@ -60,6 +79,13 @@ class Particles {
   const double* id() const { return columns_.column(2 * Dim + 2); }
   double* state(int number) { return columns_.column(2 * Dim + 3 + number); }
   const double* state(int number) const { return columns_.column(2 * Dim + 3 + number); }
+
+  /// Component a of what velocity does along axis b around the particle: its moment or its gradient, whichever is kept.
+  double* affine(int a, int b) { return columns_.column(2 * Dim + 3 + n_state_ + Dim * a + b); }
+  const double* affine(int a, int b) const { return columns_.column(2 * Dim + 3 + n_state_ + Dim * a + b); }
+  /// Only with `extras().modulus`.
+  double* wave_modulus() { return columns_.column(columns_.n_columns() - 1); }
+  const double* wave_modulus() const { return columns_.column(columns_.n_columns() - 1); }
 
   Vec<Dim> position_of(int i) const {
     Vec<Dim> x;
@@ -78,8 +104,14 @@ class Particles {
   const Columns& columns() const { return columns_; }
 
  private:
+  static int n_columns(int n_state, const ParticleExtras& extras) {
+    const ParticleField last = particle_fields<Dim>(n_state, extras).back();
+    return last.first + last.components;
+  }
+
   Columns columns_;
   int n_state_;
+  ParticleExtras extras_;
 };
 
 /// The state of `count` particles from `first` on, at most a pack of them.

@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
+#include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
 namespace talus {
@@ -49,15 +50,22 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
   return std::visit(
       [&]<class Law>(const Law& law) {
         const int n = int(points.size());
-        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>), {}};
+        const Numerics& numerics = what.numerics;
+        const ParticleExtras extras{numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
+                                    numerics.order == Order::musl};
+        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>, extras), {}};
         Particles<Dim>& p = body.particles;
         p.resize(n);
-        // The points share the exact volume of the region, so its mass is exact whatever the lattice.
-        const double each = volume(spec.region, Dim) / n;
+        // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
+        // proportion to their radius.
+        const double whole = what.axisymmetric ? volume_per_radian(spec.region) : volume(spec.region, Dim);
+        double radii = 0;
+        for (const Vec<3>& x : points) radii += x[0];
         const double density = bulk_density(law, material, spec);
         double weight = 0;  // gravity along the vertical axis, downwards
         if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
         for (int i = 0; i < n; ++i) {
+          const double each = what.axisymmetric ? whole * points[i][0] / radii : whole / n;
           InitialState initial;
           if (weight > 0) {
             const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
@@ -78,6 +86,7 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
           p.reference_volume()[i] = each / law.specific_volume(at_rest);
           p.id()[i] = double(first_id + i);
           set_state<Law>(p, i, at_rest);
+          if (extras.modulus) p.wave_modulus()[i] = each * stiffness_at_rest(law, at_rest, numerics.integration);
         }
         return body;
       },
@@ -89,6 +98,7 @@ std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
   Domain<Dim> domain;
   Vec<Dim> gravity;
   domain.h = what.cell;
+  domain.axisymmetric = what.axisymmetric;
   for (int a = 0; a < Dim; ++a) {
     domain.origin[a] = what.domain.min[a];
     domain.n_cells[a] = what.n_cells[a];

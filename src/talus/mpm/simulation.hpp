@@ -1,6 +1,7 @@
 #pragma once
 /// A run of the material point method, as the rest of talus sees it: no dimension, shape function or law in its type.
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <span>
@@ -13,7 +14,8 @@
 
 namespace talus {
 
-/// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness.
+/// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness, axisymmetric per
+/// radian.
 struct Ledger {
   double time = 0;  ///< [s]
   long step = 0;
@@ -74,6 +76,9 @@ struct ParticlePlaces {
 /// Takes or gives one array of what decides how a run goes on, by its name.
 using TakeNumbers = std::function<void(const std::string& name, std::span<const double> values)>;
 using GiveNumbers = std::function<std::vector<double>(const std::string& name)>;
+
+/// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius [m].
+inline double size_of_particle(double volume, double radius, int dim) { return std::pow(volume / radius, 1.0 / dim); }
 
 class Simulation {
  public:

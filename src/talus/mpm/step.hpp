@@ -1,10 +1,11 @@
 #pragma once
-/// One time step: explicit MPM, stress after the new positions (MUSL), FLIP with a damping time.
+/// One time step of the explicit material point method.
 ///
 /// Sulsky, Chen and Schreyer 1994 (Comput. Methods Appl. Mech. Eng. 118:179), with the operations of Sec. 4.1 of the
-/// paper turned so that every particle is visited twice a step. What a particle's velocity holds beyond the grid's
-/// decays with the time tau: v_p = alpha (v_p + dt a) + (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed share taken a
-/// step would make the result depend on the step.
+/// paper in their order: the stress comes first, from the velocity that the nodes have at the start of the step (USF,
+/// Nairn 2003, Comput. Model. Eng. Sci. 4:649), and every particle is visited twice a step. `musl` takes the stress last
+/// instead. What a particle's velocity holds beyond the grid's decays with the time tau: v_p = alpha (v_p + dt a) +
+/// (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed share taken a step makes the result depend on the step.
 
 #include <fmt/format.h>
 
@@ -51,9 +52,18 @@ class Stepper final : public Simulation {
     const double dt = next.dt;
     const TileSums nodes = find_node_velocities();
     ledger_.numerical += ledger_.kinetic - nodes.held_kinetic;
-    update_stresses(dt);
-    accelerate_nodes(dt);
-    move_particles(dt);
+    if (numerics_.order == Order::usf) {
+      update_stresses(dt);
+      accelerate_nodes(dt);
+      move_particles(dt);
+    } else {
+      give_present_forces();
+      accelerate_nodes(dt);
+      speed_up_particles(dt);
+      find_node_velocities();
+      update_stresses(dt);
+      move_particles(dt);
+    }
     ledger_.turnover =
         std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
     ledger_.dt = last_dt_ = dt;
@@ -119,9 +129,9 @@ class Stepper final : public Simulation {
     return total;
   }
 
-  /// L = sum v_I grad N, the law, f_I = -sum V sigma grad N.
+  /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
   void update_stresses(double dt) {
-    const StressUpdate how{dt, numerics_.integration, numerics_.average_pressure};
+    const StressUpdate how{dt, numerics_.integration, numerics_.average_pressure, numerics_.f_bar};
     const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
       if (!grid_.tile(t).occupied) return;
       Scratch& s = scratch_[worker];
@@ -134,7 +144,10 @@ class Stepper final : public Simulation {
         s.resize(tile.size());
         take_gradients(body, t, velocity, s);
         update_stress(body.law, body.particles, tile, cells_of(t), how, s, sums);
-        give_forces(body, t, s);
+        if (numerics_.order == Order::usf)
+          give_forces(body, t, s);
+        else
+          std::copy_n(s.stiffness.begin(), tile.size(), body.particles.wave_modulus() + tile.begin);
       }
     });
     ledger_.elastic = total.elastic;
@@ -188,15 +201,52 @@ class Stepper final : public Simulation {
     wave_speed_ = std::sqrt(total.wave_speed2);
   }
 
-  /// v_p and x_p from the nodes; then the particles give mass and momentum to the nodes where they are now.
+  /// f_I = -sum V sigma grad N of the stress as it is (musl).
+  void give_present_forces() {
+    over_tiles([&](int t, int worker, TileSums&) {
+      if (!grid_.tile(t).occupied) return;
+      Scratch& s = scratch_[worker];
+      grid_.clear_window(t);
+      for (const auto& body : bodies_) {
+        const TileParticles& tile = body.tiles[t];
+        if (tile.size() == 0) continue;
+        s.resize(tile.size());
+        present_stress(body.law, body.particles, tile, s);
+        std::copy_n(body.particles.wave_modulus() + tile.begin, tile.size(), s.stiffness.begin());
+        give_forces(body, t, s);
+      }
+    });
+  }
+
+  /// v_p from the nodes, and back to them with the same weights (musl).
+  void speed_up_particles(double dt) {
+    const double alpha = share_kept(dt);
+    over_tiles([&](int t, int, TileSums&) {
+      if (!grid_.tile(t).occupied) return;
+      advance<Advance::velocities>(t, dt, alpha);
+      give_momentum(t);
+    });
+  }
+
+  /// The share of a particle's own velocity that it keeps through a step.
+  double share_kept(double dt) const {
+    if (is_affine(numerics_.transfer)) return 0;
+    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+  }
+
+  /// v_p (if stress came first) and x_p from the nodes; then the particles give mass and momentum to the nodes where
+  /// they are now.
   void move_particles(double dt) {
-    const double alpha =
-        numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+    const double alpha = share_kept(dt);
     drift_ += node_speed_ * dt / domain_.h;
     const bool reorder = drift_ > largest_drift;
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       if (!grid_.tile(t).occupied) return;
-      advance(t, dt, alpha, sums);
+      if (numerics_.order == Order::usf)
+        advance<Advance::both>(t, dt, alpha);
+      else
+        advance<Advance::places>(t, dt, alpha);
+      account_particles(t, sums);
       if (!reorder && !sums.bad) give_momentum(t);
     });
     take(total);
@@ -237,13 +287,44 @@ class Stepper final : public Simulation {
         for (int a = 0; a < Dim; ++a) store(&s.gradient[a][b][i], per_length * columns[b][a]);
       }
     }
+    if constexpr (Dim == 2)
+      if (domain_.axisymmetric) take_hoop_rates(body, t, velocity, s);
     // What the last pack holds behind the last particle stands still.
     for (int i = (tile.size() + 3) / 4 * 4; i % pack_width != 0; i += 4)
       for (int a = 0; a < Dim; ++a)
         for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));
   }
 
+  /// The rate at which circles around the axis grow: v_r/r.
+  void take_hoop_rates(const Body<Dim>& body, int t, const NodeValue* velocity, Scratch& s) const {
+    const TileParticles& tile = body.tiles[t];
+    for (int i = 0; i < tile.size(); i += 4) {
+      const int count = std::min(4, tile.size() - i);
+      const auto w = weights(body, tile.begin + i, count, t);
+      Quad at[4], unused;
+      for (int lane = 0; lane < 4; ++lane)
+        interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, velocity, at[lane], unused);
+      transpose(at);
+      store(&s.gradient[2][2][i], at[0] / radius(body.particles, tile.begin + i, count));
+    }
+    for (int i = (tile.size() + 3) / 4 * 4; i % pack_width != 0; i += 4) store(&s.gradient[2][2][i], Quad(0.0));
+  }
+
+  /// Distances of `count` particles from the axis [m], above 0 for those on it: there v_r is 0 by symmetry, and next to it
+  /// v_r/r has its limit.
+  Quad radius(const Particles<Dim>& particles, int first, int count) const {
+    return max(load<Quad>(particles.position(0) + first, count), Quad(1e-6 * domain_.h));
+  }
+
   void give_forces(const Body<Dim>& body, int t, const Scratch& s) {
+    if constexpr (Dim == 2)
+      if (domain_.axisymmetric) return give_forces_of<true>(body, t, s);
+    give_forces_of<false>(body, t, s);
+  }
+
+  /// With `hoops`, material around an axis: the hoop stress pulls inwards, f_r = -sum V sigma_tt N/r.
+  template <bool hoops>
+  void give_forces_of(const Body<Dim>& body, int t, const Scratch& s) {
     const TileParticles& tile = body.tiles[t];
     NodeValue* force = grid_.window(t);
     const Quad per_length(-1 / domain_.h);
@@ -257,20 +338,27 @@ class Stepper final : public Simulation {
           flux[a][b] = b < Dim ? per_length * load<Quad>(&s.flux[component[a][b]][i]) : Quad(0.0);
         transpose(flux[a]);
       }
+      Quad inwards;
+      if constexpr (hoops) inwards = -load<Quad>(&s.flux[2][i]) / radius(body.particles, tile.begin + i, count);
       for (int lane = 0; lane < count; ++lane) {
         NodeValue of_one[Dim];
         for (int a = 0; a < Dim; ++a) of_one[a] = flux[a][lane];
-        NodeValue stiffness(0.0);
-        stiffness.set(3, s.stiffness[i + lane]);
-        scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, stiffness, force);
+        NodeValue rest(0.0);
+        if constexpr (hoops) rest.set(0, inwards[lane]);
+        rest.set(3, s.stiffness[i + lane]);
+        scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, rest, force);
       }
     }
   }
 
-  void advance(int t, double dt, double alpha, TileSums& sums) {
+  enum class Advance { both, velocities, places };
+
+  template <Advance what>
+  void advance(int t, double dt, double alpha) {
     NodeValue v_new[Layout::n_window], a[Layout::n_window];
     grid_.fill_window(t, grid_.new_velocity(), v_new);
     grid_.fill_window(t, grid_.acceleration(), a);
+    if (what != Advance::places && is_affine(numerics_.transfer)) collect_affine(t, v_new);
     for (auto& body : bodies_) {
       Particles<Dim>& p = body.particles;
       const TileParticles& tile = body.tiles[t];
@@ -284,13 +372,39 @@ class Stepper final : public Simulation {
         transpose(at_a);
         for (int axis = 0; axis < Dim; ++axis) {
           double *x = p.position(axis) + i, *v = p.velocity(axis) + i;
-          const Quad faster = load<Quad>(v, count) + Quad(dt) * at_a[axis];
-          store(v, Quad(alpha) * faster + Quad(1 - alpha) * at_v[axis], count);
-          store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
+          if constexpr (what != Advance::places) {
+            const Quad faster = load<Quad>(v, count) + Quad(dt) * at_a[axis];
+            store(v, Quad(alpha) * faster + Quad(1 - alpha) * at_v[axis], count);
+          }
+          if constexpr (what != Advance::velocities) store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
         }
       }
     }
-    account_particles(t, sums);
+  }
+
+  /// What the nodes' velocity does around each particle: its moment (apic) or its gradient (tpic).
+  void collect_affine(int t, const NodeValue* velocity) {
+    const bool apic = numerics_.transfer == Transfer::apic;
+    const Quad to_si(apic ? domain_.h : 1 / domain_.h);
+    for (auto& body : bodies_) {
+      Particles<Dim>& p = body.particles;
+      const TileParticles& tile = body.tiles[t];
+      for (int i = tile.begin; i < tile.end; i += 4) {
+        const int count = std::min(4, tile.end - i);
+        auto w = weights(body, i, count, t);
+        if (apic) w = with_arms<Arms::moment>(w, domain_.in_cells(p.places(i, count)), shape_of(body));
+        Quad columns[Dim][4];
+        for (int lane = 0; lane < 4; ++lane) {
+          NodeValue of_one[Dim];
+          gradient(ParticleWeights<Dim, Shape>{w, lane}, velocity, of_one);
+          for (int b = 0; b < Dim; ++b) columns[b][lane] = of_one[b];
+        }
+        for (int b = 0; b < Dim; ++b) {
+          transpose(columns[b]);
+          for (int a = 0; a < Dim; ++a) store(p.affine(a, b) + i, to_si * columns[b][a], count);
+        }
+      }
+    }
   }
 
   void give_momentum(int t) {
@@ -310,6 +424,36 @@ class Stepper final : public Simulation {
         values[3] = mass;
         transpose(values);
         for (int lane = 0; lane < count; ++lane) scatter(ParticleWeights<Dim, Shape>{w, lane}, values[lane], nodes);
+      }
+    }
+    if (is_affine(numerics_.transfer)) give_affine_momentum(t);
+  }
+
+  /// What nodes get beyond the particle's own velocity: m N_I C (x_I - x), with the gradient C that the particle brought
+  /// (tpic) or that follows from its moment where it is now (apic).
+  void give_affine_momentum(int t) {
+    const bool apic = numerics_.transfer == Transfer::apic;
+    const Quad to_cells(apic ? 1 / domain_.h : domain_.h);
+    for (const auto& body : bodies_) {
+      const Particles<Dim>& p = body.particles;
+      const TileParticles& tile = body.tiles[t];
+      for (int i = tile.begin; i < tile.end; i += 4) {
+        const int count = std::min(4, tile.end - i);
+        const FourPlaces<Dim> x = domain_.in_cells(p.places(i, count));
+        auto w = weights(body, i, count, t);
+        w = apic ? with_arms<Arms::per_area>(w, x, shape_of(body)) : with_arms<Arms::moment>(w, x, shape_of(body));
+        const Quad mass = to_cells * load<Quad>(p.mass() + i, count);
+        Quad columns[Dim][4];
+        for (int b = 0; b < Dim; ++b) {
+          for (int a = 0; a < 4; ++a)
+            columns[b][a] = a < Dim ? mass * load<Quad>(p.affine(a, b) + i, count) : Quad(0.0);
+          transpose(columns[b]);
+        }
+        for (int lane = 0; lane < count; ++lane) {
+          NodeValue of_one[Dim];
+          for (int b = 0; b < Dim; ++b) of_one[b] = columns[b][lane];
+          scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, zero_node(), grid_.window(t));
+        }
       }
     }
   }
@@ -525,7 +669,7 @@ void Stepper<Dim, Shape>::save(const TakeNumbers& take) const {
     for (const TileParticles& tile : bodies_[b].tiles) begins.push_back(tile.begin);
     take(fmt::format("body {}: first particles of tiles", b), begins);
     const auto& p = bodies_[b].particles;
-    for (const ParticleField& f : particle_fields<Dim>(p.n_state()))
+    for (const ParticleField& f : particle_fields<Dim>(p.n_state(), p.extras()))
       for (int k = 0; k < f.components; ++k)
         take(fmt::format("body {}: {} {}", b, f.name, k), {p.columns().column(f.first + k), std::size_t(p.size())});
   }
@@ -561,7 +705,7 @@ void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
     bodies_[b].tiles.resize(n_tiles);
     for (std::size_t t = 0; t < n_tiles; ++t)
       bodies_[b].tiles[t] = {int(begins[t]), t + 1 < n_tiles ? int(begins[t + 1]) : p.size()};
-    for (const ParticleField& f : particle_fields<Dim>(p.n_state()))
+    for (const ParticleField& f : particle_fields<Dim>(p.n_state(), p.extras()))
       for (int k = 0; k < f.components; ++k) {
         const std::vector<double> values = given(fmt::format("body {}: {} {}", b, f.name, k), std::size_t(p.size()));
         std::copy(values.begin(), values.end(), p.columns().column(f.first + k));
@@ -577,7 +721,7 @@ ParticlePlaces Stepper<Dim, Shape>::places() const {
   ParticlePlaces all;
   all.places.resize(n_particles());
   all.sizes.resize(n_particles());
-  for (const auto& body : bodies_) place_body(body, all);
+  for (const auto& body : bodies_) place_body(body, domain_.axisymmetric, all);
   return all;
 }
 

@@ -28,6 +28,32 @@ struct FourWeights {
   }
 };
 
+/// Weights whose place of the derivatives is taken by what affine transfers hand to nodes and collect from them, so that
+/// `scatter_gradient` and `gradient` serve them too; in cells.
+enum class Arms {
+  moment,   ///< N_I (x_I - x): collects the moment of the nodes' velocity (apic), hands on a gradient (tpic)
+  per_area  ///< the same over sum N_I (x_I - x)^2 an axis: hands on a moment (apic)
+};
+/// That sum is 1/4 for quadratic and 1/3 for cubic splines (Jiang et al. 2015, ACM Trans. Graph. 34:51, Sec. 5.3); uGIMP's
+/// depends on the place. Hat functions have none that is bounded from below: a moment handed to a node that a particle
+/// barely touches would be a velocity without bound, so there is no apic with them.
+template <Arms arms, int Dim, class Shape>
+FourWeights<Dim, Shape> with_arms(FourWeights<Dim, Shape> w, const std::type_identity_t<FourPlaces<Dim>>& x,
+                                  const Shape& shape) {
+  constexpr int n = Shape::support;
+  for (int a = 0; a < Dim; ++a) {
+    const auto at = shape.at(x[a]);
+    Quad moment[n], area(0.0);
+    for (int i = 0; i < n; ++i) {
+      const Quad reach = at.first + Quad(i) - x[a];
+      moment[i] = at.N[i] * reach;
+      area += moment[i] * reach;
+    }
+    for (int i = 0; i < n; ++i) store(w.dN[a][i], arms == Arms::per_area ? moment[i] / area : moment[i]);
+  }
+  return w;
+}
+
 /// Those of one of the four.
 template <int Dim, class Shape>
 struct ParticleWeights {

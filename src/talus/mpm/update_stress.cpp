@@ -12,12 +12,13 @@ template <int Dim>
 Tensor<Pack> load_gradient(const Scratch& s, int i) {
   Tensor<Pack> L;
   for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) L[a][b] = a < Dim && b < Dim ? load<Pack>(&s.gradient[a][b][i]) : Pack(0.0);
+    for (int b = 0; b < 3; ++b) L[a][b] = (a < Dim && b < Dim) || a == b ? load<Pack>(&s.gradient[a][b][i]) : Pack(0.0);
   return L;
 }
 
-/// The mean over each cell, weighted with volume, of the elastic compression and of the rate of volume change.
-template <class Law, int Dim>
+/// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and
+/// `of_compression` asks for it, of the elastic compression.
+template <bool of_compression, class Law, int Dim>
 void average_over_cells(const Law& law, const Particles<Dim>& particles, const TileParticles& tile,
                         const CellFinder<Dim>& cells, Scratch& s) {
   constexpr int n_cells = power(tile_edge, Dim);
@@ -30,7 +31,7 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
   for (int i = 0; i < tile.size(); ++i) {
     const int c = s.cell[i];
     volume[c] += s.volume[i];
-    x[c] += s.volume[i] * s.x[i];
+    if constexpr (of_compression) x[c] += s.volume[i] * s.x[i];
     rate[c] += s.volume[i] * (s.gradient[0][0][i] + s.gradient[1][1][i] + s.gradient[2][2][i]);
   }
   for (int c = 0; c < n_cells; c += pack_width) {
@@ -39,13 +40,15 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
         x[k] /= volume[k];
         rate[k] /= volume[k];
       }
-    store(&p[c], law.pressure_at(load<Pack>(&x[c])));
+    if constexpr (of_compression) store(&p[c], law.pressure_at(load<Pack>(&x[c])));
   }
   for (int i = 0; i < tile.size() || i % pack_width != 0; ++i) {  // lanes behind the last particle repeat it
     const int c = s.cell[std::min(i, tile.size() - 1)];
-    s.mean_x[i] = x[c];
     s.mean_rate[i] = rate[c];
-    s.mean_p[i] = p[c];
+    if constexpr (of_compression) {
+      s.mean_x[i] = x[c];
+      s.mean_p[i] = p[c];
+    }
   }
 }
 
@@ -73,7 +76,7 @@ template <class Law, int Dim>
                                   const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
   using State = typename Law::template State<Pack>;
   const int n = tile.size();
-  const bool averages = how.average_pressure && AveragesCompression<Law>;
+  const bool averages = how.average_pressure && AveragesCompression<Law>, averages_rate = averages || how.f_bar;
   if constexpr (AveragesCompression<Law>) {
     if (averages) {
       for (int i = 0; i < n; i += pack_width) {
@@ -82,8 +85,16 @@ template <class Law, int Dim>
         store(&s.x[i], Law::compression(state));
         store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
       }
-      average_over_cells(law, particles, tile, cells, s);
+      average_over_cells<true>(law, particles, tile, cells, s);
     }
+  }
+  if (how.f_bar) {
+    for (int i = 0; i < n; i += pack_width) {
+      const int first = tile.begin + i, count = std::min(pack_width, n - i);
+      const State state = load_states<State>(particles, first, count);
+      store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
+    }
+    average_over_cells<false>(law, particles, tile, cells, s);
   }
   const Pack zero(0.0), dt(how.dt);
   PackSums total;
@@ -100,11 +111,14 @@ template <class Law, int Dim>
 
     Motion<Pack> motion{dt * rate, rate, how.dt};
     Law::turn(state, incremental_rotation(L, how.dt));
+    Pack change = zero;
+    if (averages_rate) {
+      change = (load<Pack>(&s.mean_rate[i]) - trace(rate)) * Pack(1.0 / 3.0);
+      motion.strain_rate = rate + SymTensor<Pack>::isotropic(change);
+      motion.strain = dt * motion.strain_rate;
+    }
     if constexpr (AveragesCompression<Law>) {
       if (averages) {
-        const Pack change = (load<Pack>(&s.mean_rate[i]) - trace(rate)) * Pack(1.0 / 3.0);
-        motion.strain_rate = rate + SymTensor<Pack>::isotropic(change);
-        motion.strain = dt * motion.strain_rate;
         const Pack own = law.elastic_energy(state);
         law.impose_compression(state, load<Pack>(&s.mean_x[i]), load<Pack>(&s.mean_p[i]));
         total.averaging += old_volume * (own - law.elastic_energy(state));
@@ -117,7 +131,10 @@ template <class Law, int Dim>
     const SymTensor<Pack> flux = volume * Law::total_stress(state);
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
-    total.internal_work += Pack(0.5 * how.dt) * double_dot(old_flux + flux, rate);
+    // With F-bar the material feels the mean rate and the nodes the particle's own: what that costs is numerical.
+    Pack work = double_dot(old_flux + flux, rate);
+    if (how.f_bar) work += change * trace(old_flux + flux);
+    total.internal_work += Pack(0.5 * how.dt) * work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
@@ -139,6 +156,24 @@ void update_stress(const AnyLaw& any_law, Particles<Dim>& particles, const TileP
   std::visit([&](const auto& law) { update_with(law, particles, tile, cells, how, s, sums); }, any_law);
 }
 
+template <int Dim>
+void present_stress(const AnyLaw& any_law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s) {
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        using State = typename Law::template State<Pack>;
+        for (int i = 0; i < tile.size(); i += pack_width) {
+          const int first = tile.begin + i, count = std::min(pack_width, tile.size() - i);
+          const State state = load_states<State>(particles, first, count);
+          const Pack volume = load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state);
+          const SymTensor<Pack> flux = volume * Law::total_stress(state);
+          for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+        }
+      },
+      any_law);
+}
+
+template void present_stress(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
+template void present_stress(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,
                             const StressUpdate&, Scratch&, TileSums&);
 template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&,

@@ -77,6 +77,7 @@ struct StressUpdate {
   double dt;
   Integration integration;
   bool average_pressure;
+  bool f_bar;
 };
 
 /// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
@@ -102,6 +103,12 @@ template <int Dim>
 void update_stress(const AnyLaw& law, Particles<Dim>& particles, const TileParticles& tile,
                    const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums);
 
+/// Leaves volume times the stress that the states of a tile's particles hold in `s`.
+template <int Dim>
+void present_stress(const AnyLaw& law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s);
+
+extern template void present_stress(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
+extern template void present_stress(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 extern template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,
                                    const StressUpdate&, Scratch&, TileSums&);
 extern template void update_stress(const AnyLaw&, Particles<3>&, const TileParticles&, const CellFinder<3>&,

@@ -18,7 +18,7 @@ struct Column {
   double (*value)(const Ledger&, const Outline&);
 };
 
-std::vector<Column> columns_for(int dim) {
+std::vector<Column> columns_for(int dim, bool axisymmetric) {
   std::vector<Column> c = {
       {"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
       {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
@@ -29,8 +29,9 @@ std::vector<Column> columns_for(int dim) {
   if (dim == 3) {
     c.push_back({"front_y_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[1]; }});
     c.push_back({"front_y_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[1]; }});
-    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.radius; }});
   }
+  if (dim == 3 || axisymmetric)
+    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.radius; }});
   const std::vector<Column> rest = {
       {"height [m]", [](const Ledger&, const Outline& o) { return o.height; }},
       {"height_at_axis [m]", [](const Ledger&, const Outline& o) { return o.height_at_axis; }},
@@ -56,8 +57,9 @@ std::vector<Column> columns_for(int dim) {
 
 }  // namespace
 
-History::History(const std::filesystem::path& file, int dim, long bytes) : dim_(dim), path_(file), bytes_(bytes) {
-  for (const Column& c : columns_for(dim)) columns_.push_back(c.name);
+History::History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
+    : dim_(dim), axisymmetric_(axisymmetric), path_(file), bytes_(bytes) {
+  for (const Column& c : columns_for(dim, axisymmetric)) columns_.push_back(c.name);
   if (bytes > 0) {
     std::error_code failure;
     if (!(std::filesystem::file_size(file, failure) >= std::uintmax_t(bytes)) || failure)
@@ -79,7 +81,7 @@ void History::write(const std::string& line) {
 
 void History::add(const Ledger& ledger, const Outline& outline) {
   std::vector<double> row;
-  for (const Column& c : columns_for(dim_)) row.push_back(c.value(ledger, outline));
+  for (const Column& c : columns_for(dim_, axisymmetric_)) row.push_back(c.value(ledger, outline));
   write(fmt::format("{:.10g}\n", fmt::join(row, ",")));
 }
 

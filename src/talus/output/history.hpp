@@ -16,7 +16,7 @@ class History {
  public:
   /// Creates the file and writes its header, column names with units; or goes on after the first `bytes` of what it
   /// holds. Throws std::runtime_error, as does `add`, if it cannot be written.
-  History(const std::filesystem::path& file, int dim, long bytes = 0);
+  History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
   void add(const Ledger& ledger, const Outline& outline);
 
   const std::vector<std::string>& columns() const { return columns_; }
@@ -29,6 +29,7 @@ class History {
   void write(const std::string& line);
 
   int dim_;
+  bool axisymmetric_;
   std::filesystem::path path_;
   std::vector<std::string> columns_;
   std::ofstream file_;

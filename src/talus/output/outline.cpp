@@ -40,8 +40,13 @@ std::pair<double, double> connected_range(std::vector<Reach> particles, double w
 }  // namespace
 
 OutlineFinder::OutlineFinder(const Case& what, const ParticlePlaces& start)
-    : dim_(what.dim), cell_(what.cell), floor_(what.domain.min[what.dim - 1]), axis_{} {
+    : dim_(what.dim),
+      cell_(what.cell),
+      floor_(what.domain.min[what.dim - 1]),
+      axisymmetric_(what.axisymmetric),
+      axis_{} {
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
+  if (axisymmetric_) axis_ = {};
   for (double size : start.sizes) half_sizes_.push_back(size / 2);
 }
 
@@ -68,6 +73,7 @@ Outline OutlineFinder::find(const std::vector<Vec<3>>& places) const {
   }
   outline.height_at_axis = near_axis.empty() ? 0 : connected_range(near_axis, cell_).second - floor_;
   if (dim_ == 3) outline.radius = connected_range(along, cell_).second;
+  if (axisymmetric_) outline.radius = outline.front_max[0];
   return outline;
 }
 

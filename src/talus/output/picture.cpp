@@ -28,7 +28,12 @@ const std::vector<Shown> quantities = {
 }  // namespace
 
 PictureBook::PictureBook(std::filesystem::path folder, const Case& what, std::vector<double> times)
-    : folder_(std::move(folder)), dim_(what.dim), cell_(what.cell), title_(what.title), times_(std::move(times)) {
+    : folder_(std::move(folder)),
+      dim_(what.dim),
+      axisymmetric_(what.axisymmetric),
+      cell_(what.cell),
+      title_(what.title),
+      times_(std::move(times)) {
   const Box box = bounding_box(what.bodies.at(0).region, dim_);
   slice_ = 0.5 * (box.min[1] + box.max[1]);
   floor_ = what.domain.min[dim_ - 1];
@@ -51,7 +56,7 @@ void PictureBook::add(const Observation& seen) {
   const int up = dim_ - 1;
   for (int i = 0; i < seen.n_particles(); ++i) {
     if (dim_ == 3 && std::abs(x.values[3 * i + 1] - slice_) > 0.5 * cell_) continue;
-    const double size = std::pow(volume.values[i], 1.0 / dim_);
+    const double size = size_of_particle(volume.values[i], axisymmetric_ ? x.values[3 * i] : 1, dim_);
     out << fmt::format("{:.6g},{:.6g},{:.3g},{:.4g}", x.values[3 * i], x.values[3 * i + up], std::min(size, cell_),
                        std::hypot(v.values[3 * i], v.values[3 * i + 1], v.values[3 * i + 2]));
     for (const Field* f : fields) out << fmt::format(",{:.4g}", f->values[i]);

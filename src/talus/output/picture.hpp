@@ -32,6 +32,7 @@ class PictureBook {
  private:
   std::filesystem::path folder_;
   int dim_;
+  bool axisymmetric_;
   double cell_;
   std::string title_;
   double floor_;  ///< lower side of the domain [m]

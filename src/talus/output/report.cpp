@@ -46,7 +46,9 @@ std::string in_words(const Case& what) {
     return fmt::format("{}", fmt::join(sides, " x "));
   };
   std::string text = fmt::format("{}, domain {}, cells {}, gravity {}.",
-                                 what.dim == 2 ? "Plane strain (x and y; y upwards)" : "Three dimensions (z upwards)",
+                                 what.axisymmetric ? "Axisymmetric (x is the radius; y upwards)"
+                                 : what.dim == 2   ? "Plane strain (x and y; y upwards)"
+                                                   : "Three dimensions (z upwards)",
                                  size(what.domain), length(what.cell),
                                  with_unit(std::hypot(what.gravity[0], what.gravity[1], what.gravity[2]), "m/s2"));
   for (const BodySpec& body : what.bodies) {
@@ -145,6 +147,36 @@ std::string notice_of_stiffness(const Numerics& numerics) {
       factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
 }
 
+std::string notice_of_preset(const Case& what) {
+  const Numerics& n = what.numerics;
+  if (n.preset != Preset::paper) return "";
+  std::vector<std::string> departures;
+  const auto note = [&](bool departs, const std::string& text) {
+    if (departs) departures.push_back(text);
+  };
+  note(n.shape_function != ShapeFunction::linear, "other shapes");
+  note(n.transfer != Transfer::flip || n.flip_share != 1, "another transfer");
+  note(n.order != Order::usf, "another order");
+  note(n.integration.scheme != Integrator::forward_euler, "another integrator");
+  note(n.average_pressure || n.f_bar, "averaging over cells");
+  note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
+  for (const Material& m : what.materials)
+    std::visit(
+        [&]<class Law>(const Law& law) {
+          if constexpr (requires { law.collisional.form; })
+            note(law.collisional.form != CollisionalForm::rate, "another collisional form of " + m.name);
+          else if constexpr (requires { law.form; })
+            note(law.form != CollisionalForm::rate, "another collisional form of " + m.name);
+        },
+        m.law);
+  std::string text =
+      "preset = \"paper\" is the paper's scheme as printed, for comparison: pressure scatters from particle to "
+      "particle, the rate form leaves collisional stress behind at rest, and stress jumps where particles cross cells "
+      "(docs/numerics.md).";
+  if (!departures.empty()) text += fmt::format(" This case departs from it: {}.", fmt::join(departures, ", "));
+  return text;
+}
+
 std::string in_words(const StepTally& t) {
   const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
   if (t.n() == 0) return "no steps";
@@ -167,12 +199,15 @@ std::string in_words(const StepTally& t) {
 std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
   std::vector<std::string> warnings;
   if (const std::string notice = notice_of_stiffness(what.numerics); !notice.empty()) warnings.push_back(notice);
+  if (const std::string notice = notice_of_preset(what); !notice.empty()) warnings.push_back(notice);
   const Ledger& l = run.ledger;
   const double energy = l.turnover;
-  if (what.numerics.transfer == Transfer::flip && what.numerics.flip_share < 1)
-    warnings.push_back(
-        "The result depends on the time step by construction: a fixed share of the particles' velocity is dropped "
-        "every step. Use transfer = \"flip_tau\".");
+  if (depends_on_step(what.numerics))
+    warnings.push_back(fmt::format(
+        "The result depends on the time step by construction: {} drops a share of the particles' velocity every step, "
+        "however short it is. Use transfer = \"flip_tau\", or compare runs with different `cfl`.",
+        what.numerics.transfer == Transfer::flip ? fmt::format("`flip_share` = {:.4g}", what.numerics.flip_share)
+                                                 : fmt::format("transfer = \"{}\"", word_of(what.numerics.transfer))));
   if (energy > 0 && std::abs(l.error()) > most_missed * energy)
     warnings.push_back(
         fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
@@ -272,9 +307,11 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
     page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, millimetres(a),
                         millimetres(b));
   };
-  row("left front, x", run.start.front_min[0], run.end.front_min[0]);
-  row("right front, x", run.start.front_max[0], run.end.front_max[0]);
-  if (what.dim == 3) row("largest radius", run.start.radius, run.end.radius);
+  if (!what.axisymmetric) {
+    row("left front, x", run.start.front_min[0], run.end.front_min[0]);
+    row("right front, x", run.start.front_max[0], run.end.front_max[0]);
+  }
+  if (what.dim == 3 || what.axisymmetric) row("largest radius", run.start.radius, run.end.radius);
   row("height", run.start.height, run.end.height);
   row("height at the axis", run.start.height_at_axis, run.end.height_at_axis);
   page << "</table>\n";
@@ -284,7 +321,10 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
     for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
   }
   page << "<h2>Energy</h2>\n<p><b>" << escaped(verdict_of(l)) << "</b></p>\n<p>Of "
-       << fmt::format("{:.4g} J", l.turnover) << (what.dim == 2 ? " per metre of thickness" : "")
+       << fmt::format("{:.4g} J", l.turnover)
+       << (what.axisymmetric ? " per radian"
+           : what.dim == 2   ? " per metre of thickness"
+                             : "")
        << " that were turned over:</p>\n<table>\n";
   const auto energy = [&](const char* name, double joule) {
     page << fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule,

@@ -34,6 +34,8 @@ struct RunSummary {
 
 /// What a scaled stiffness means for a run; nothing where it is not scaled.
 std::string notice_of_stiffness(const Numerics& numerics);
+/// What a case with a preset is, and where it departs from it; nothing for the standard one.
+std::string notice_of_preset(const Case& what);
 
 /// How long the steps were and what bounded them, in a sentence.
 std::string in_words(const StepTally& tally);
