@@ -99,8 +99,7 @@ TYPED_TEST(AffineTransfers, AMomentHandedToNodesIsWholeAndHasNoMomentum) {
   for (int trial = 0; trial < 20; ++trial) {
     const FourPlaces<Dim> x = somewhere<Dim>(random);
     const Shape shape;
-    const auto w =
-        with_arms<Arms::per_area>(FourWeights<Dim, Shape>(x, Index<Dim>{}, shape), x, shape);
+    const auto w = with_arms<Arms::per_area>(FourWeights<Dim, Shape>(x, Index<Dim>{}, shape), x, shape);
     for (int lane = 0; lane < 4; ++lane) {
       std::vector<NodeValue> nodes(TileLayout<Dim, Shape>::n_window, NodeValue(0.0));
       NodeValue B[Dim];
@@ -179,8 +178,10 @@ std::pair<double, double> angular_momentum_of_a_turning_block(std::vector<Shape>
   const ParticleExtras extras{numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
                               numerics.order == Order::musl};
   std::vector<Body<2>> bodies;
-  bodies.push_back(moving_box<2>(LinearElastic{1e5, 0.3}, 1000, {1.3, 1.2}, {1.9, 1.6}, 0.05, extras, false,
-                                 [](const Vec<2>& x) { return Vec<2>{-5 * (x[1] - 1.4), 5 * (x[0] - 1.6)}; }));
+  bodies.push_back(
+      moving_box<2>(LinearElastic{1e5, 0.3}, 1000, {1.3, 1.2}, {1.9, 1.6}, 0.05, extras, false, [](const Vec<2>& x) {
+        return Vec<2>{-5 * (x[1] - 1.4), 5 * (x[0] - 1.6)};
+      }));
   const auto loop = make_serial();
   const Domain<2> domain{{0, 0}, 0.1, {30, 30}, {}};
   const auto s = make_stepper<2, Shape>(domain, std::move(bodies), std::move(shapes), Vec<2>{0, 0}, numerics, *loop);
@@ -291,12 +292,12 @@ TEST(Order, AParticleThatBeginsToFallAboveAFloorIsStrainedAtOnceByMuslAndAStepLa
     n.dt = dt;
     const ParticleExtras extras{false, false, order == Order::musl};
     std::vector<Body<2>> bodies;
-    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.0}, {0.55, 0.05}, 0.05, extras, false,
-                                   [](const Vec<2>&) { return Vec<2>{0, 0}; }));
+    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.0}, {0.55, 0.05}, 0.05, extras, false, [](const Vec<2>&) {
+      return Vec<2>{0, 0};
+    }));
     const auto loop = make_serial();
     const Domain<2> domain{{0, 0}, h, {10, 10}, {WallKind::open, WallKind::open, WallKind::slip, WallKind::open}};
-    const auto s =
-        make_stepper<2, Linear>(domain, std::move(bodies), std::vector<Linear>(1), Vec<2>{0, -G}, n, *loop);
+    const auto s = make_stepper<2, Linear>(domain, std::move(bodies), std::vector<Linear>(1), Vec<2>{0, -G}, n, *loop);
     s->step();
     const Observation seen = s->observe();
     EXPECT_NEAR(value(seen, "velocity", 0, 1), -0.25 * G * dt, 1e-15);
@@ -383,8 +384,9 @@ TEST(Axisymmetric, AParticleThatMovesOutwardsIsStretchedAroundTheAxisAndPulledBa
   const auto check = [&](auto shape) {
     using Shape = decltype(shape);
     std::vector<Body<2>> bodies;
-    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.5}, {0.55, 0.55}, 0.05, {}, true,
-                                   [&](const Vec<2>&) { return Vec<2>{v, 0}; }));
+    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.5}, {0.55, 0.55}, 0.05, {}, true, [&](const Vec<2>&) {
+      return Vec<2>{v, 0};
+    }));
     const auto loop = make_serial();
     const auto s = make_stepper<2, Shape>(around_an_axis(0.1, 20, 20), std::move(bodies), std::vector<Shape>(1, shape),
                                           Vec<2>{0, 0}, n, *loop);
@@ -511,8 +513,7 @@ TEST(Axisymmetric, ACollapsingCylinderOfSandSpreadsAsInThreeDimensions) {
     return Vec<3>{mass * (dim == 2 ? 2 * std::numbers::pi : 1), radius / mass, height / mass};
   };
   const Vec<3> axisymmetric = collapse(2), full = collapse(3);
-  for (int i = 0; i < 3; ++i)
-    RecordProperty("ratio_" + std::to_string(i), std::to_string(axisymmetric[i] / full[i]));
+  for (int i = 0; i < 3; ++i) RecordProperty("ratio_" + std::to_string(i), std::to_string(axisymmetric[i] / full[i]));
   EXPECT_NEAR(axisymmetric[0], full[0], 1e-9 * full[0]);
   EXPECT_GT(axisymmetric[1], 1.5 * 0.2 * 2 / 3);  // it did spread: 2/3 of the radius at the start
   EXPECT_NEAR(axisymmetric[1], full[1], 0.03 * full[1]);
@@ -563,8 +564,8 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreads) {
               seen.push_back(s->observe());
               ledgers.push_back(s->ledger());
             }
-            const std::string name = name_of(shape, what.numerics.transfer, order) + " " + std::to_string(kind) +
-                                     " " + std::to_string(averaging);
+            const std::string name = name_of(shape, what.numerics.transfer, order) + " " + std::to_string(kind) + " " +
+                                     std::to_string(averaging);
             // most of half a cell: particles at the edges of tiles have crossed, and all were put in order anew
             ASSERT_GT(ledgers[0].time * 8, 0.05) << name;
             for (std::size_t k = 1; k < seen.size(); ++k) {

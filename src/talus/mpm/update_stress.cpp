@@ -71,12 +71,12 @@ struct PackSums {
   }
 };
 
-template <class Law, int Dim>
+template <bool f_bar, class Law, int Dim>
 [[gnu::flatten]] void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile,
                                   const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
   using State = typename Law::template State<Pack>;
   const int n = tile.size();
-  const bool averages = how.average_pressure && AveragesCompression<Law>, averages_rate = averages || how.f_bar;
+  const bool averages = !f_bar && how.average_pressure && AveragesCompression<Law>;
   if constexpr (AveragesCompression<Law>) {
     if (averages) {
       for (int i = 0; i < n; i += pack_width) {
@@ -88,7 +88,7 @@ template <class Law, int Dim>
       average_over_cells<true>(law, particles, tile, cells, s);
     }
   }
-  if (how.f_bar) {
+  if constexpr (f_bar) {
     for (int i = 0; i < n; i += pack_width) {
       const int first = tile.begin + i, count = std::min(pack_width, n - i);
       const State state = load_states<State>(particles, first, count);
@@ -111,14 +111,15 @@ template <class Law, int Dim>
 
     Motion<Pack> motion{dt * rate, rate, how.dt};
     Law::turn(state, incremental_rotation(L, how.dt));
-    Pack change = zero;
-    if (averages_rate) {
-      change = (load<Pack>(&s.mean_rate[i]) - trace(rate)) * Pack(1.0 / 3.0);
+    const auto impose_mean_rate = [&] {
+      const Pack change = (load<Pack>(&s.mean_rate[i]) - trace(rate)) * Pack(1.0 / 3.0);
       motion.strain_rate = rate + SymTensor<Pack>::isotropic(change);
       motion.strain = dt * motion.strain_rate;
-    }
+    };
+    if constexpr (f_bar) impose_mean_rate();
     if constexpr (AveragesCompression<Law>) {
       if (averages) {
+        impose_mean_rate();
         const Pack own = law.elastic_energy(state);
         law.impose_compression(state, load<Pack>(&s.mean_x[i]), load<Pack>(&s.mean_p[i]));
         total.averaging += old_volume * (own - law.elastic_energy(state));
@@ -132,9 +133,8 @@ template <class Law, int Dim>
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
     // With F-bar the material feels the mean rate and the nodes the particle's own: what that costs is numerical.
-    Pack work = double_dot(old_flux + flux, rate);
-    if (how.f_bar) work += change * trace(old_flux + flux);
-    total.internal_work += Pack(0.5 * how.dt) * work;
+    const SymTensor<Pack>& felt = f_bar ? motion.strain_rate : rate;
+    total.internal_work += Pack(0.5 * how.dt) * double_dot(old_flux + flux, felt);
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
@@ -153,7 +153,14 @@ template <class Law, int Dim>
 template <int Dim>
 void update_stress(const AnyLaw& any_law, Particles<Dim>& particles, const TileParticles& tile,
                    const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
-  std::visit([&](const auto& law) { update_with(law, particles, tile, cells, how, s, sums); }, any_law);
+  std::visit(
+      [&](const auto& law) {
+        if (how.f_bar)
+          update_with<true>(law, particles, tile, cells, how, s, sums);
+        else
+          update_with<false>(law, particles, tile, cells, how, s, sums);
+      },
+      any_law);
 }
 
 template <int Dim>
