@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
+#include <span>
 #include <typeinfo>
 
 #include "mpm/cases.hpp"
@@ -540,7 +542,7 @@ Case flying_block(int kind) {
   return what;
 }
 
-TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreads) {
+TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
   int n = 0;
   for (int kind = 0; kind < 3; ++kind)
     for (const ShapeFunction shape : all_shapes)
@@ -557,13 +559,26 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreads) {
             what.numerics.f_bar = averaging == 2;
             std::vector<Observation> seen;
             std::vector<Ledger> ledgers;
+            std::map<std::string, std::vector<double>> half_way;
             for (int threads : {1, 2, 3, 7}) {
               const auto loop = make_openmp(threads);
               const auto s = make_simulation(what, *loop);
-              for (int i = 0; i < 14; ++i) s->step();
+              for (int i = 0; i < 14; ++i) {
+                if (i == 7 && threads == 1)
+                  s->save([&](const std::string& field, std::span<const double> values) {
+                    half_way.emplace(field, std::vector<double>(values.begin(), values.end()));
+                  });
+                s->step();
+              }
               seen.push_back(s->observe());
               ledgers.push_back(s->ledger());
             }
+            const auto loop = make_openmp(2);
+            const auto resumed = make_simulation(what, *loop);
+            resumed->restore([&](const std::string& field) { return half_way.at(field); });
+            for (int i = 0; i < 7; ++i) resumed->step();
+            seen.push_back(resumed->observe());
+            ledgers.push_back(resumed->ledger());
             const std::string name = name_of(shape, what.numerics.transfer, order) + " " + std::to_string(kind) + " " +
                                      std::to_string(averaging);
             // most of half a cell: particles at the edges of tiles have crossed, and all were put in order anew
