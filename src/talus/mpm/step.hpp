@@ -12,6 +12,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/mpm/contact.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/time_step.hpp"
 #include "talus/mpm/transfer.hpp"
@@ -31,6 +32,7 @@ class Stepper final : public Simulation {
         gravity_(gravity),
         numerics_(numerics),
         loop_(loop),
+        contact_finder_(domain),
         scratch_(loop.n_workers()) {
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
@@ -46,11 +48,13 @@ class Stepper final : public Simulation {
     const StepBounds limits = bounds();
     const BoundedStep next = next_step();
     const double dt = next.dt;
-    const TileSums nodes = find_node_velocities();
-    ledger_.numerical += ledger_.kinetic - nodes.held_kinetic;
-    update_stresses(dt);
+    const double alpha = flip_share(dt);
+    const TileSums nodes = find_node_velocities(alpha);
+    ledger_.numerical += ledger_.kinetic - nodes.held_kinetic + nodes.wall_work;
+    ledger_.wall_work -= nodes.wall_work;
+    update_stresses(dt, alpha);
     accelerate_nodes(dt);
-    move_particles(dt);
+    move_particles(dt, alpha);
     ledger_.turnover =
         std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
     ledger_.dt = last_dt_ = dt;
@@ -93,14 +97,28 @@ class Stepper final : public Simulation {
     return next;
   }
   StepBounds bounds() const {
-    return {domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, std::sqrt(dot(gravity_, gravity_)),
+    return {domain_.h, numerics_.cfl, wave_speed_, fastest(), viscosity_, std::sqrt(dot(gravity_, gravity_)),
             last_dt_,  contacts_};
+  }
+  /// The largest speed of a particle or of a solid.
+  double fastest() const {
+    double speed = ledger_.max_speed;
+    for (const Solid& s : domain_.solids) {
+      const Vec<3> v = s.motion.velocity(ledger_.time);
+      speed = std::max(speed, std::sqrt(dot(v, v)));
+    }
+    return speed;
+  }
+  /// The share of its own velocity that a particle keeps in a step.
+  double flip_share(double dt) const {
+    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
   }
 
   // ---- the step, a verb a function --------------------------------------------------------------------------------
 
-  /// v_I = sum N m v / sum N m, and what walls allow of it.
-  TileSums find_node_velocities() {
+  /// v_I = sum N m v / sum N m, and what walls and solids allow of it. Particles will keep the share `alpha` of their own
+  /// velocities.
+  TileSums find_node_velocities(double alpha) {
     add_windows();
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       const NodeValue* momentum = grid_.sums(t);
@@ -111,15 +129,19 @@ class Stepper final : public Simulation {
         v[i].set(3, mass);
         if (counts) sums.held_kinetic += 0.5 * mass * norm2(v[i]);
       });
+      if (!contact_finder_.any()) return;
+      contact_finder_.find(grid_, *boundary_, t, ledger_.time, least_mass_, contacts_[t]);
+      meet(t, 1 - alpha, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.velocity(t); });
     return total;
   }
 
   /// L = sum v_I grad N, the law, f_I = -sum V sigma grad N.
-  void update_stresses(double dt) {
+  void update_stresses(double dt, double alpha) {
     const StressUpdate how{dt, numerics_.integration, numerics_.average_pressure};
     const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
+      account_walls(t, grid_.velocity(t), zero_node(), sums);
       if (!grid_.tile(t).occupied) return;
       Scratch& s = scratch_[worker];
       NodeValue velocity[Layout::n_window];
@@ -134,6 +156,7 @@ class Stepper final : public Simulation {
         give_forces(body, t, s);
       }
     });
+    ledger_.wall_impulse = ledger_.wall_impulse + (1 - alpha) * total.wall_impulse;
     ledger_.elastic = total.elastic;
     ledger_.plastic += total.plastic_work;
     ledger_.averaging += total.averaging;
@@ -154,8 +177,7 @@ class Stepper final : public Simulation {
   /// node: one stiff particle among many does not make them faster.
   void accelerate_nodes(double dt) {
     add_windows();
-    NodeValue gravity = zero_node();
-    for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
+    const NodeValue gravity = gravity_at_nodes();
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       const NodeValue *sum = grid_.sums(t), *v = grid_.velocity(t);
       NodeValue *v_new = grid_.new_velocity(t), *a = grid_.acceleration(t);
@@ -177,26 +199,30 @@ class Stepper final : public Simulation {
         sums.new_kinetic += 0.5 * mass * speed2;
         sums.node_speed2 = std::max(sums.node_speed2, speed2);
       });
+      if (contact_finder_.any()) rub(t, dt, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.acceleration(t); });
     ledger_.numerical += total.new_kinetic + total.grid_work;
+    ledger_.wall_friction += total.wall_friction;
+    ledger_.wall_work -= total.wall_work;
     node_speed_ = std::sqrt(total.node_speed2);
     wave_speed_ = std::sqrt(total.wave_speed2);
   }
 
   /// v_p and x_p from the nodes; then the particles give mass and momentum to the nodes where they are now.
-  void move_particles(double dt) {
-    const double alpha =
-        numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+  void move_particles(double dt, double alpha) {
     drift_ += node_speed_ * dt / domain_.h;
     const bool reorder = drift_ > largest_drift;
+    const NodeValue gravity = gravity_at_nodes();
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      account_walls(t, grid_.acceleration(t), gravity, sums);
       if (!grid_.tile(t).occupied) return;
       advance(t, dt, alpha, sums);
       if (!reorder && !sums.bad) give_momentum(t);
     });
     take(total);
+    ledger_.wall_impulse = ledger_.wall_impulse + dt * total.wall_impulse;
     ledger_.numerical -= ledger_.kinetic;
     if (total.bad)
       stop("a particle has left the domain",
@@ -205,6 +231,80 @@ class Stepper final : public Simulation {
       arrange();
       give_all_momentum();
     }
+  }
+
+  // ---- walls and solids ------------------------------------------------------------------------------------------
+
+  NodeValue gravity_at_nodes() const {
+    NodeValue gravity = zero_node();
+    for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
+    return gravity;
+  }
+
+  static Vec<3> vector_of(NodeValue v) { return {v[0], v[1], v[2]}; }
+  static void set_vector(NodeValue& node, const Vec<3>& v) {
+    for (int a = 0; a < 3; ++a) node.set(a, v[a]);
+  }
+
+  /// What contacts allow of the velocities that nodes have been given; particles feel the share `felt` of the impulse.
+  void meet(int t, double felt, TileSums& sums) {
+    for (NodeContact& c : contacts_[t]) {
+      NodeValue& at_node = grid_.velocity(t)[c.node];
+      const NodeValue before = at_node;
+      const Vec<3> v = vector_of(before), met = admitted(c, v);
+      set_vector(at_node, met);
+      at_node *= boundary_->allowed(grid_.tile(t).place, c.node);
+      const double mass = before[3];
+      c.pressed = felt * dot(met - v, c.normal);
+      sums.held_kinetic += 0.5 * mass * (norm2(at_node) - norm2(before));
+      sums.wall_work += felt * mass * dot(vector_of(at_node - before), c.velocity);
+    }
+  }
+
+  /// What contacts make of the velocities that nodes have reached. Their energy goes into work on what moves and into
+  /// heat of what rubs.
+  void rub(int t, double dt, TileSums& sums) {
+    const NodeValue* v = grid_.velocity(t);
+    NodeValue* v_new = grid_.new_velocity(t);
+    for (NodeContact& c : contacts_[t]) {
+      const NodeValue trial = v_new[c.node];
+      set_vector(v_new[c.node], after_contact(c, vector_of(trial)));
+      v_new[c.node] *= boundary_->allowed(grid_.tile(t).place, c.node);
+      const double mass = v[c.node][3];
+      const NodeValue change = v_new[c.node] - trial;
+      c.impulse = mass * vector_of(change);
+      sums.grid_work -= 0.5 * dt * dot3(grid_.sums(t)[c.node], change);
+      sums.new_kinetic += 0.5 * mass * (norm2(v_new[c.node]) - norm2(trial));
+      sums.node_speed2 = std::max(sums.node_speed2, norm2(v_new[c.node]));
+    }
+    // A node may meet several surfaces; what each gave worked on the way that the node went in the end. Along the surface
+    // that is friction; across it, where the node came and went within the step, an error of the step.
+    for (const NodeContact& c : contacts_[t]) {
+      grid_.acceleration(t)[c.node] = NodeValue(1 / dt) * (v_new[c.node] - v[c.node]);
+      const Vec<3> sliding = 0.5 * vector_of(v[c.node] + v_new[c.node]) - c.velocity;
+      const double across = dot(c.impulse, c.normal) * dot(sliding, c.normal);
+      sums.wall_work += dot(c.impulse, c.velocity);
+      sums.wall_friction += across - dot(c.impulse, sliding);
+      sums.grid_work -= across;
+    }
+  }
+
+  /// Adds up what a tile's nodes have gained from walls and solids: mass times `nodal` is what they have, the sums of the
+  /// grid and `mass` times `everywhere` what particles and gravity gave them.
+  void account_walls(int t, const NodeValue* nodal, NodeValue everywhere, TileSums& sums) {
+    const bool near_wall = boundary_->near_wall(t);
+    if (!near_wall && (!contact_finder_.any() || contacts_[t].empty())) return;
+    const NodeValue *given = grid_.sums(t), *v = grid_.velocity(t);
+    const Index<Dim>& place = grid_.tile(t).place;
+    NodeValue gained = zero_node();
+    for (int i = 0; i < Layout::n_nodes; ++i) {
+      const NodeValue mass(v[i][3]);
+      const bool image = near_wall && boundary_->is_image(place, i);
+      const NodeValue from_points = image ? given[i] : given[i] + mass * everywhere;
+      const NodeValue share = near_wall ? boundary_->gained_from_walls(place, i) : NodeValue(1.0);
+      gained += share * (mass * nodal[i] - from_points);
+    }
+    sums.wall_impulse = sums.wall_impulse + vector_of(gained);
   }
 
   // ---- one tile --------------------------------------------------------------------------------------------------
@@ -385,6 +485,7 @@ class Stepper final : public Simulation {
   /// What follows from the arrangement of particles and tiles.
   void settle_on_grid() {
     boundary_.emplace(domain_, grid_);
+    contacts_.resize(grid_.n_tiles());
     deal_out_tiles();
   }
 
@@ -458,6 +559,8 @@ class Stepper final : public Simulation {
   Loop& loop_;
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
+  ContactFinder<Dim, Shape> contact_finder_;
+  std::vector<std::vector<NodeContact>> contacts_;  ///< of this step, tile by tile
   std::vector<Scratch> scratch_;
   Shares shares_;  ///< the tiles, dealt out
   Ledger ledger_;
@@ -471,7 +574,7 @@ class Stepper final : public Simulation {
 
 template <int Dim, class Shape>
 Observation Stepper<Dim, Shape>::observe() {
-  if (!broken_) find_node_velocities();
+  if (!broken_) find_node_velocities(1);
   Observation seen{ledger_.time, ledger_.step, {}};
   int number = 0;
   for (const auto& body : bodies_) {
