@@ -145,6 +145,14 @@ std::string notice_of_stiffness(const Numerics& numerics) {
       factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
 }
 
+std::string notice_of_symmetry(const Case& what) {
+  int planes = 0;
+  for (const Wall& wall : what.walls) planes += wall.kind == WallKind::symmetry;
+  if (planes == 0) return "";
+  return fmt::format("{} plane{} of symmetry: masses, energies and impulses are those of the part that is computed.",
+                     planes, planes == 1 ? "" : "s");
+}
+
 std::string in_words(const StepTally& t) {
   const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
   if (t.n() == 0) return "no steps";
@@ -216,10 +224,12 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                    {"snapshots", run.n_snapshots},
                    {"resumed_at_seconds", run.resumed_at},
                    {"warnings", run.warnings}};
-  record["ledger_joule"] = {{"initial", l.initial},     {"kinetic", l.kinetic},     {"potential", l.potential},
-                            {"elastic", l.elastic},     {"plastic", l.plastic},     {"collisional", l.collisional},
-                            {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover},
-                            {"error", l.error()}};
+  record["ledger_joule"] = {
+      {"initial", l.initial},          {"kinetic", l.kinetic},     {"potential", l.potential},
+      {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
+      {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
+      {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  record["wall_impulse_newton_second"] = {l.wall_impulse[0], l.wall_impulse[1], l.wall_impulse[2]};
   const StepTally& t = run.tally;
   nlohmann::ordered_json held;
   for (int i = 0; i < n_bounds; ++i) held[std::string(bound_names[i].word)] = t.held[i];
@@ -266,6 +276,9 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
           "again. A click shows the particles at that instant.</p>\n"
        << charts_section(folder, charts);
 
+  if (const std::string notice = notice_of_symmetry(what); !notice.empty())
+    page << "<p>" << escaped(notice) << "</p>\n";
+
   const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
   page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
   const auto row = [&](const char* name, double a, double b) {
@@ -296,6 +309,8 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
   energy("was spent in collisions", l.collisional);
   energy("was lost when compression was averaged over cells", l.averaging);
   energy("was lost in the transfers between particles and grid", l.numerical);
+  energy("became heat by friction on walls and solids", l.wall_friction);
+  energy("was work on moving solids (negative: they pushed)", l.wall_work);
   energy("is not accounted for", -l.error());
   page << "</table>\n";
 

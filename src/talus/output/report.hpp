@@ -35,6 +35,9 @@ struct RunSummary {
 /// What a scaled stiffness means for a run; nothing where it is not scaled.
 std::string notice_of_stiffness(const Numerics& numerics);
 
+/// That planes of symmetry leave only a part of the whole to be computed; nothing if there are none.
+std::string notice_of_symmetry(const Case& what);
+
 /// How long the steps were and what bounded them, in a sentence.
 std::string in_words(const StepTally& tally);
 
