@@ -319,6 +319,10 @@ TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
       "must increase");
   expect_complaint_about_solid(gate + rough + "\nmotion = { file = \"no.csv\" }", "no.csv cannot be read");
   expect_complaint_about_solid(gate + rough + "\nmotion = { velocity = [\"0 m\", \"1 m\"] }", "is not");
+  // a body that is not right itself is not filled to look for overlap
+  std::string unspaced = with_solid(gate + rough);
+  unspaced.replace(unspaced.find("spacing = \"0.5 mm\""), 18, "");
+  EXPECT_NE(complaints(unspaced).find("`spacing` is missing"), std::string::npos);
 }
 
 }  // namespace

@@ -403,5 +403,27 @@ TEST(Solids, ASmoothGateThatRisesLeavesStandingSandWhereItIsAndARoughOneLiftsIt)
   EXPECT_GT(risen[1], risen[0] + 1e-4);
 }
 
+TEST(Solids, ContactsGiveTheSameBitsOnAnyNumberOfThreads) {
+  Case what = block_on_incline(Wall(WallKind::friction, 0.3, true), 0.1);
+  what.walls[0] = WallKind::slip;
+  what.solids = {{"ball", Sphere{{0.8, 0.1, 0}, 0.15}, Wall(WallKind::friction, 0.5, true),
+                  PrescribedMotion{{0}, {Vec<3>{}}, {-0.5, 0, 0}}}};
+  std::vector<Observation> seen;
+  std::vector<Ledger> ledgers;
+  for (int threads : {0, 3}) {
+    const auto loop = threads == 0 ? make_serial() : make_openmp(threads);
+    const auto s = make_simulation(what, *loop);
+    for (int i = 0; i < 300; ++i) s->step();
+    seen.push_back(s->observe());
+    ledgers.push_back(s->ledger());
+  }
+  EXPECT_LT(ledgers[0].wall_work, 0);  // the ball did reach the block
+  EXPECT_EQ(ledgers[0].wall_work, ledgers[1].wall_work);
+  EXPECT_EQ(ledgers[0].wall_friction, ledgers[1].wall_friction);
+  EXPECT_EQ(ledgers[0].wall_impulse, ledgers[1].wall_impulse);
+  EXPECT_EQ(seen[0].find("position")->values, seen[1].find("position")->values);
+  expect_momentum_closes(ledgers[0], what.gravity);
+}
+
 }  // namespace
 }  // namespace talus

@@ -448,7 +448,8 @@ void read_solids(Section& root, Case& what, const std::string& folder) {
     for (const BodySpec& body : what.bodies) {
       double deepest = 0;
       Vec<3> at{};
-      if (estimated_particles(what) < 1e8 && body.spacing + what.cell > 0)
+      const bool can_be_filled = body.spacing > 0 || std::holds_alternative<PointList>(body.region);
+      if (can_be_filled && estimated_particles(what) < 1e8)
         for (const Vec<3>& x : fill(what, body).points) {
           const double distance = solid.at(x, 0, what.dim).distance;
           if (distance < deepest) {

@@ -37,6 +37,16 @@ std::string verdict_of(const Ledger& l) {
       missed <= most_missed ? "closes" : "does not close", 100 * missed, 100 * most_missed);
 }
 
+std::string surface_in_words(const Wall& surface) {
+  switch (surface.kind) {
+    case WallKind::friction:
+      return fmt::format("friction {:.3g}{}", surface.friction, surface.separates ? "" : " and held");
+    case WallKind::symmetry: return "plane of symmetry";
+    case WallKind::no_slip: return "rough";
+    default: return surface.separates ? "smooth, lets go" : "smooth";
+  }
+}
+
 /// The case in a few sentences.
 std::string in_words(const Case& what) {
   const auto length = [](double x) { return with_unit(x, "m"); };
@@ -51,20 +61,25 @@ std::string in_words(const Case& what) {
                                  with_unit(std::hypot(what.gravity[0], what.gravity[1], what.gravity[2]), "m/s2"));
   for (const BodySpec& body : what.bodies) {
     const Material& material = what.materials[body.material];
-    const char* shape = std::holds_alternative<Cylinder>(body.region)  ? "cylinder"
-                        : std::holds_alternative<Polygon>(body.region) ? "polygon"
-                                                                       : "box";
-    text += fmt::format(" `{}` is a {} within {}, of {} (law {}), with particles {} apart.", body.name, shape,
+    const char* shape = std::holds_alternative<Cylinder>(body.region)    ? "cylinder"
+                        : std::holds_alternative<Polygon>(body.region)   ? "polygon"
+                        : std::holds_alternative<Raster>(body.region)    ? "picture"
+                        : std::holds_alternative<PointList>(body.region) ? "list of points"
+                                                                         : "box";
+    const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
+    text += fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
                         size(bounding_box(body.region, what.dim)), material.name,
-                        std::visit([](const auto& law) { return std::string(law.name); }, material.law),
-                        length(body.spacing));
+                        std::visit([](const auto& law) { return std::string(law.name); }, material.law), apart);
   }
   std::vector<std::string> walls;
   for (int side = 0; side < 2 * what.dim; ++side)
     if (what.walls[side] != WallKind::open)
-      walls.push_back(fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max",
-                                  what.walls[side] == WallKind::slip ? "smooth" : "rough"));
+      walls.push_back(
+          fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max", surface_in_words(what.walls[side])));
   text += walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
+  for (const Solid& solid : what.solids)
+    text += fmt::format(" `{}` is a solid, {}, that {}.", solid.name, surface_in_words(solid.contact),
+                        solid.motion.times.empty() ? "rests" : "moves");
   return text + fmt::format(" It is followed until {}.", with_unit(what.end, "s"));
 }
 
