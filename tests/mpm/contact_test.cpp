@@ -127,6 +127,28 @@ TEST_P(OnAnIncline, ABlockSlidesWithTheAccelerationThatCoulombLeavesIt) {
   EXPECT_LT(std::abs(l.error()), 0.01 * l.turnover);
 }
 
+TEST_P(OnAnIncline, In3DABlockSlidesDownTheSlopeWhicheverWayThatGoes) {
+  // The slope of 30 degrees falls in the direction (0.6, 0.8) of the ground.
+  const double b = std::numbers::pi / 6, mu = 0.3, a = g * (std::sin(b) - mu * std::cos(b));
+  Case what = incline(mu, b);
+  what.dim = 3;
+  what.domain = {{0, 0, what.solids.empty() ? 0 : -0.2}, {1, 1, 0.6}};
+  what.n_cells = {20, 20, what.solids.empty() ? 12 : 16};
+  what.gravity = {0.6 * g * std::sin(b), 0.8 * g * std::sin(b), -g * std::cos(b)};
+  what.bodies[0].region = Box{{0.2, 0.2, 0}, {0.4, 0.4, 0.2}};
+  std::swap(what.walls[2], what.walls[4]);
+  for (Solid& solid : what.solids) solid.shape = HalfSpace{{0, 0, 0}, {0, 0, 1}};
+  what.numerics.cfl = 0.3;  // what the ledger misses is of the order of the step
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  run_until(*s, 0.15);
+  const Ledger& l = s->ledger();
+  EXPECT_NEAR(l.momentum[0] / l.mass, 0.6 * a * l.time, 0.03 * a * l.time);
+  EXPECT_NEAR(l.momentum[1] / l.mass, 0.8 * a * l.time, 0.03 * a * l.time);
+  expect_momentum_closes(l, what.gravity);
+  EXPECT_LT(std::abs(l.error()), 0.01 * l.turnover);
+}
+
 TEST_P(OnAnIncline, BelowTheAngleOfFrictionABlockStays) {
   // tan 15 degrees = 0.268. It begins pressed by its weight but not yet sheared, so its shear swings up to twice what it
   // will be, 0.54 of the pressure, and mu = 0.7 holds that.
