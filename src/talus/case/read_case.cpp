@@ -591,7 +591,7 @@ double estimated_particles(const Case& what) {
 
 CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder) {
   Document document(name, text);
-  Case what = read(document, folder);
+  Case what = read(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }
