@@ -195,6 +195,7 @@ Region read_points(Section& s, const Case& what, const std::string& folder, std:
   PointList list;
   try {
     const NumberTable table = read_csv(path);
+    if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
     std::vector<std::string_view> known(axis_names, axis_names + what.dim);
     known.push_back("volume");
     std::vector<int> columns;
@@ -366,6 +367,7 @@ PrescribedMotion read_motion(Section& s, const Case& what, const std::string& fo
     const std::string path = (std::filesystem::path(folder) / file).string();
     try {
       const NumberTable table = read_csv(path);
+      if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
       std::vector<std::string_view> known{"time"};
       known.insert(known.end(), axis_names, axis_names + what.dim);
       for (std::string_view name : known)

@@ -39,7 +39,7 @@ struct Ledger {
   /// and errors are measured by.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
-  int n_separated = 0;     ///< particles whose grains have moved apart
+  long n_separated = 0;    ///< particles whose grains have moved apart
   long n_unconverged = 0;  ///< stress updates that did not converge, since the start
 
   /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every

@@ -130,7 +130,7 @@ class Stepper final : public Simulation {
         if (counts) sums.held_kinetic += 0.5 * mass * norm2(v[i]);
       });
       if (!contact_finder_.any()) return;
-      contact_finder_.find(grid_, *boundary_, t, ledger_.time, least_mass_, contacts_[t]);
+      contact_finder_.find(grid_, *boundary_, t, ledger_.time, least_mass_, node_contacts_[t]);
       meet(t, 1 - alpha, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.velocity(t); });
@@ -248,7 +248,7 @@ class Stepper final : public Simulation {
 
   /// What contacts allow of the velocities that nodes have been given; particles feel the share `felt` of the impulse.
   void meet(int t, double felt, TileSums& sums) {
-    for (NodeContact& c : contacts_[t]) {
+    for (NodeContact& c : node_contacts_[t]) {
       NodeValue& at_node = grid_.velocity(t)[c.node];
       const NodeValue before = at_node;
       const Vec<3> v = vector_of(before), met = admitted(c, v);
@@ -266,7 +266,7 @@ class Stepper final : public Simulation {
   void rub(int t, double dt, TileSums& sums) {
     const NodeValue* v = grid_.velocity(t);
     NodeValue* v_new = grid_.new_velocity(t);
-    for (NodeContact& c : contacts_[t]) {
+    for (NodeContact& c : node_contacts_[t]) {
       const NodeValue trial = v_new[c.node];
       set_vector(v_new[c.node], after_contact(c, vector_of(trial)));
       v_new[c.node] *= boundary_->allowed(grid_.tile(t).place, c.node);
@@ -279,7 +279,7 @@ class Stepper final : public Simulation {
     }
     // A node may meet several surfaces; what each gave worked on the way that the node went in the end. Along the surface
     // that is friction; across it, where the node came and went within the step, an error of the step.
-    for (const NodeContact& c : contacts_[t]) {
+    for (const NodeContact& c : node_contacts_[t]) {
       grid_.acceleration(t)[c.node] = NodeValue(1 / dt) * (v_new[c.node] - v[c.node]);
       const Vec<3> sliding = 0.5 * vector_of(v[c.node] + v_new[c.node]) - c.velocity;
       const double across = dot(c.impulse, c.normal) * dot(sliding, c.normal);
@@ -293,7 +293,7 @@ class Stepper final : public Simulation {
   /// grid and `mass` times `everywhere` what particles and gravity gave them.
   void account_walls(int t, const NodeValue* nodal, NodeValue everywhere, TileSums& sums) {
     const bool near_wall = boundary_->near_wall(t);
-    if (!near_wall && (!contact_finder_.any() || contacts_[t].empty())) return;
+    if (!near_wall && (!contact_finder_.any() || node_contacts_[t].empty())) return;
     const NodeValue *given = grid_.sums(t), *v = grid_.velocity(t);
     const Index<Dim>& place = grid_.tile(t).place;
     NodeValue gained = zero_node();
@@ -485,7 +485,7 @@ class Stepper final : public Simulation {
   /// What follows from the arrangement of particles and tiles.
   void settle_on_grid() {
     boundary_.emplace(domain_, grid_);
-    contacts_.resize(grid_.n_tiles());
+    node_contacts_.resize(grid_.n_tiles());
     deal_out_tiles();
   }
 
@@ -560,7 +560,7 @@ class Stepper final : public Simulation {
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
   ContactFinder<Dim, Shape> contact_finder_;
-  std::vector<std::vector<NodeContact>> contacts_;  ///< of this step, tile by tile
+  std::vector<std::vector<NodeContact>> node_contacts_;  ///< of this step, tile by tile
   std::vector<Scratch> scratch_;
   Shares shares_;  ///< the tiles, dealt out
   Ledger ledger_;
