@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace talus {
@@ -52,6 +53,57 @@ TEST(Geometry, FaultyRegionsAreNamed) {
   EXPECT_NE(fault(Polygon{{{0, 0}, {1, 1}}, 0, 1}, 2), "");
   EXPECT_NE(fault(Polygon{{{0, 0}, {1, 1}, {2, 2}}, 0, 1}, 2).find("area"), std::string::npos);
   EXPECT_NE(fault(Polygon{{{0, 0}, {2, 2}, {2, 0}, {0, 1.9}}, 0, 1}, 2).find("crosses itself"), std::string::npos);
+}
+
+TEST(Geometry, WhatABoxLeavesOfAShapeHasItsExactVolume) {
+  constexpr double inf = std::numeric_limits<double>::infinity();
+  const Box half{{0, -inf, -inf}, {inf, inf, inf}}, quarter{{0, 0, -inf}, {inf, inf, inf}};
+  const Cylinder c{{0, 0, 0}, 2, 3};
+  EXPECT_NEAR(volume(c, 3, half), 0.5 * volume(c, 3), 1e-13);
+  EXPECT_NEAR(volume(c, 3, quarter), 0.25 * volume(c, 3), 1e-13);
+  EXPECT_NEAR(volume(c, 3, {{-inf, -inf, 1}, {inf, inf, 2.5}}), 0.5 * volume(c, 3), 1e-13);
+  // a segment of the disk beyond x = 1: r^2 acos(1/2) - sqrt(3)
+  EXPECT_NEAR(volume(c, 2, {{1, -inf, 0}, {inf, inf, 0}}), 4 * std::acos(0.5) - std::sqrt(3.0), 1e-13);
+  // the square inside it, and one that it lies in
+  EXPECT_NEAR(volume(c, 2, {{-1, -1, 0}, {1, 1, 0}}), 4, 1e-13);
+  EXPECT_NEAR(volume(c, 2, {{-2, -2, 0}, {2, 2, 0}}), volume(c, 2), 1e-13);
+  EXPECT_EQ(volume(c, 2, {{2.5, 0, 0}, {3, 1, 0}}), 0);
+  // a corner that reaches into the disk (midpoint rule, error about n^-2)
+  const Box corner{{0.5, 0.3, 0}, {inf, inf, 0}};
+  double sum = 0;
+  const int n = 200000;
+  const double end = std::sqrt(4 - 0.09), dx = (end - 0.5) / n;
+  for (int i = 0; i < n; ++i) {
+    const double x = 0.5 + (i + 0.5) * dx;
+    sum += (std::sqrt(4 - x * x) - 0.3) * dx;
+  }
+  EXPECT_NEAR(volume(c, 2, corner), sum, 1e-9);
+
+  const Polygon triangle{{{-1, 0}, {1, 0}, {0, 2}}, 0, 4};
+  EXPECT_NEAR(volume(triangle, 2, half), 1, 1e-14);
+  EXPECT_NEAR(volume(triangle, 3, {{0, 1, -inf}, {inf, 2, inf}}), 1, 1e-14);
+  EXPECT_NEAR(volume(triangle, 2, {{-inf, 1, 0}, {inf, inf, 0}}), 0.5, 1e-14);
+  EXPECT_EQ(volume(triangle, 2, {{3, 0, 0}, {4, 1, 0}}), 0);
+  EXPECT_EQ(volume(Box{{-1, 0, 0}, {1, 1, 1}}, 3, half), 1);
+}
+
+TEST(Geometry, APictureIsItsDarkPixels) {
+  // three columns, two rows, the first row at the top:  . X .
+  //                                                     X X .
+  const Raster r{{10, 20}, 0.5, 3, 2, {0, 1, 0, 1, 1, 0}};
+  EXPECT_DOUBLE_EQ(volume(r, 2), 3 * 0.25);
+  EXPECT_TRUE(contains(r, {10.2, 20.2, 0}, 2));
+  EXPECT_FALSE(contains(r, {10.2, 20.7, 0}, 2));
+  EXPECT_TRUE(contains(r, {10.7, 20.7, 0}, 2));
+  EXPECT_TRUE(contains(r, {10.7, 21, 0}, 2));  // on its upper edge
+  EXPECT_FALSE(contains(r, {9.9, 20.2, 0}, 2));
+  EXPECT_FALSE(contains(r, {11.2, 20.2, 0}, 2));
+  const Box box = bounding_box(r, 2);
+  EXPECT_EQ(box.min, (Vec<3>{10, 20, 0}));
+  EXPECT_EQ(box.max, (Vec<3>{11, 21, 0}));
+  EXPECT_NEAR(depth_below_surface(r, {10.7, 20.1, 0}, 2), 0.9, 1e-14);
+  EXPECT_NEAR(depth_below_surface(r, {10.2, 20.1, 0}, 2), 0.4, 1e-14);
+  EXPECT_DOUBLE_EQ(volume(r, 2, {{10.75, 0, 0}, {100, 100, 0}}), 2 * 0.125);
 }
 
 }  // namespace

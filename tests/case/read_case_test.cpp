@@ -115,7 +115,8 @@ TEST(ReadCase, WrongTypesAndMissingUnitsAreRefused) {
   expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = [\"-240 mm\"]", "must be a list of 2 numbers");
   expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = \"-240 mm\"", "must be a list of 2 numbers");
   expect_complaint("law = \"granular\"", "law = \"granulr\"", "did you mean `granular`?");
-  expect_complaint("y_min = \"no_slip\"", "y_min = \"rough\"", "must be `open`, `slip` or `no_slip`");
+  expect_complaint("y_min = \"no_slip\"", "y_min = \"rough\"",
+                   "must be `open`, `slip`, `no_slip`, `friction` or `symmetry`");
   expect_complaint("y_min = \"no_slip\"", "z_min = \"no_slip\"", "z_min is no key of the walls");
   expect_complaint("[run]\nend = \"0.5 s\"", "[[run]]\nend = \"0.5 s\"", "must be a section [run]");
 }
@@ -288,6 +289,114 @@ TEST(ReadCase, DefaultsAreSpeltOutWithTheirReason) {
       EXPECT_NE(u.meaning.find("0.08 sqrt(H/g)"), std::string::npos);
     }
   EXPECT_TRUE(found);
+}
+
+// ---- walls and solids --------------------------------------------------------------------------------------------
+
+/// The slump with a solid, given as the lines of its section.
+std::string with_solid(const std::string& lines) { return slump("[run]", "[solid.gate]\n" + lines + "\n[run]"); }
+const std::string gate = R"(box = { min = ["40 mm", "0 mm"], max = ["44 mm", "60 mm"] })";
+
+void expect_complaint_about_solid(const std::string& lines, const std::string& part) {
+  const std::string said = complaints(with_solid(lines));
+  EXPECT_NE(said.find(part), std::string::npos) << "expected: " << part << "\nsaid:     " << said;
+}
+
+TEST(ReadCase, AWallIsAWordOrATable) {
+  const auto floor = [](const std::string& wall) {
+    return read_case_text("case.toml", slump("y_min = \"no_slip\"", "y_min = " + wall)).what.walls[2];
+  };
+  EXPECT_EQ(floor("\"slip\""), Wall(WallKind::slip));
+  EXPECT_EQ(floor("{ kind = \"friction\", friction = 0.38 }"), Wall(WallKind::friction, 0.38, true));
+  EXPECT_EQ(floor("{ kind = \"friction\", friction = 0.38, separates = false }"),
+            Wall(WallKind::friction, 0.38, false));
+  EXPECT_EQ(floor("{ kind = \"slip\", separates = true }"), Wall(WallKind::slip, 0, true));
+  EXPECT_EQ(floor("{ kind = \"no_slip\" }"), Wall(WallKind::no_slip));
+}
+
+TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
+  const auto expect = [](const std::string& wall, const std::string& part) {
+    expect_complaint("y_min = \"no_slip\"", "y_min = " + wall, part);
+  };
+  expect("\"friction\"", "lacks its coefficient; write { kind = \"friction\", friction = 0.38 }");
+  expect("{ kind = \"friction\" }", "`friction` is missing");
+  expect("{ kind = \"friction\", friction = -0.1 }", "must be at least 0");
+  expect("{ kind = \"friction\", friction = \"20 deg\" }", "is not a plain number");
+  expect("{ kind = \"friction\", frction = 0.3 }", "did you mean `friction`");
+  expect("{ kind = \"no_slip\", friction = 0.3 }", "goes with kind `friction` only");
+  expect("{ kind = \"no_slip\", separates = true }", "goes with kinds `slip` and `friction` only");
+  expect("{ kind = \"slip\", separates = 1 }", "neither true nor false");
+  expect("{ kind = \"rough\" }", "must be `open`, `slip`, `no_slip`, `friction` or `symmetry`");
+  expect("{ friction = 0.3 }", "`kind` is missing");
+  expect("\"symmetry\"", "cannot be a plane of symmetry: gravity goes through it");
+}
+
+TEST(ReadCase, ABodyMayReachThroughAPlaneOfSymmetryAndNoOther) {
+  std::string half = slump("min = [\"-240 mm\", \"0 mm\"]", "min = [\"0 mm\", \"0 mm\"]");
+  EXPECT_NE(complaints(half).find("lies outside the domain along x"), std::string::npos);
+  const auto walls = half.find("y_min = ");
+  half.insert(walls, "x_min = \"symmetry\"\n");
+  EXPECT_EQ(read_case_text("case.toml", half).what.walls[0].kind, WallKind::symmetry);
+  std::string thrown = half;
+  thrown.insert(thrown.find("void_ratio ="), "velocity = [\"1 m/s\", \"0 m/s\"]\n");
+  EXPECT_NE(complaints(thrown).find("carries the body through the plane of symmetry"), std::string::npos);
+  std::string behind = half;
+  behind.replace(behind.find("max = [\"40 mm\""), 14, "max = [\"-1 mm\"");
+  EXPECT_NE(complaints(behind).find("lies behind the plane of symmetry across x"), std::string::npos);
+}
+
+TEST(ReadCase, ASolidHasAShapeAContactAndIfItMovesAMotion) {
+  const Case c = read_case_text("case.toml", with_solid(gate + R"(
+contact = { kind = "friction", friction = 0.2 }
+motion = { velocity = ["0 m/s", "0.56 m/s"], from = "10 ms", until = "60 ms" })"))
+                     .what;
+  ASSERT_EQ(c.solids.size(), 1u);
+  EXPECT_EQ(c.solids[0].name, "gate");
+  EXPECT_EQ(c.solids[0].contact, Wall(WallKind::friction, 0.2, true));
+  EXPECT_DOUBLE_EQ(c.solids[0].motion.displacement(1)[1], 0.028);
+  EXPECT_EQ(c.solids[0].motion.velocity(0.02)[1], 0.56);
+  const Case ramp =
+      read_case_text("case.toml", with_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [-3, 4] }
+contact = "slip"
+motion = { times = ["1 s", "2 s"], displacements = [["0 m", "0 m"], ["1 mm", "0 m"]] })"))
+          .what;
+  EXPECT_DOUBLE_EQ(std::get<HalfSpace>(ramp.solids[0].shape).normal[0], -0.6);
+  EXPECT_EQ(ramp.solids[0].contact, Wall(WallKind::slip, 0, true));
+  EXPECT_DOUBLE_EQ(ramp.solids[0].motion.velocity(1.5)[0], 1e-3);
+}
+
+TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
+  const std::string rough = "\ncontact = \"no_slip\"";
+  expect_complaint_about_solid(gate, "`contact` is missing");
+  expect_complaint_about_solid("contact = \"slip\"",
+                               "must have exactly one of `half_space`, `box`, `sphere`, `cylinder` and `polygon`");
+  expect_complaint_about_solid(gate + "\ncontact = \"sticky\"", "must be `slip`, `no_slip` or `friction`");
+  expect_complaint_about_solid(gate + "\ncontact = \"symmetry\"", "must be `slip`, `no_slip` or `friction`");
+  expect_complaint_about_solid(gate + rough + "\nmoton = 1", "did you mean `motion`");
+  expect_complaint_about_solid(R"(box = { min = ["40 mm", "0 mm"], max = ["41 mm", "60 mm"] })" + rough,
+                               "is 1 mm thick; it must be as thick as the cells at least, 2 mm");
+  expect_complaint_about_solid(
+      R"(box = { min = ["39 mm", "0 mm"], max = ["44 mm", "60 mm"] })" + rough,
+      "overlaps body `column` at the start: the particle at (0.03975, 0.00125) lies 0.75 mm inside");
+  expect_complaint_about_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [0, 0] })" + rough,
+                               "must not be zero");
+  expect_complaint_about_solid(gate + rough + "\nmotion = {}",
+                               "must have exactly one of `velocity`, `displacements` and `file`");
+  expect_complaint_about_solid(
+      gate + rough + "\nmotion = { velocity = [\"0 m/s\", \"1 m/s\"], from = \"2 s\", until = \"1 s\" }",
+      "must be later than `from`");
+  expect_complaint_about_solid(gate + rough + "\nmotion = { times = [\"0 s\"], displacements = [] }",
+                               "are 0 for 1 `times`");
+  expect_complaint_about_solid(
+      gate + rough +
+          "\nmotion = { times = [\"1 s\", \"1 s\"], displacements = [[\"0 m\", \"0 m\"], [\"0 m\", \"1 m\"]] }",
+      "must increase");
+  expect_complaint_about_solid(gate + rough + "\nmotion = { file = \"no.csv\" }", "no.csv cannot be read");
+  expect_complaint_about_solid(gate + rough + "\nmotion = { velocity = [\"0 m\", \"1 m\"] }", "is not");
+  // a body that is not right itself is not filled to look for overlap
+  std::string unspaced = with_solid(gate + rough);
+  unspaced.replace(unspaced.find("spacing = \"0.5 mm\""), 18, "");
+  EXPECT_NE(complaints(unspaced).find("`spacing` is missing"), std::string::npos);
 }
 
 }  // namespace

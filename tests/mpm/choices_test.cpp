@@ -372,7 +372,7 @@ TEST(FBar, ParticlesOfACellShareTheirRateOfVolumeChangeAndKeepTheirShear) {
 
 /// A domain around an axis: the first axis is the radius.
 Domain<2> around_an_axis(double h, int n_r, int n_z) {
-  return {{0, 0}, h, {n_r, n_z}, {WallKind::slip, WallKind::open, WallKind::slip, WallKind::slip}, true};
+  return {{0, 0}, h, {n_r, n_z}, {WallKind::slip, WallKind::open, WallKind::slip, WallKind::slip}, {}, true};
 }
 
 TEST(Axisymmetric, AParticleThatMovesOutwardsIsStretchedAroundTheAxisAndPulledBack) {

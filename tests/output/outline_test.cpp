@@ -52,6 +52,10 @@ TEST(Outline, TheRadiusIsMeasuredFromTheAxisOfTheStart) {
   Case what = plane();
   what.dim = 3;
   EXPECT_NEAR(OutlineFinder(what, p).find(p.places).radius, 0.5 * std::sqrt(2) + 0.05, 1e-12);
+  // in a quarter the axis is the corner of the planes
+  what.domain = {{0.5, 1.5, 0}, {4, 4, 1}};
+  what.walls[0] = what.walls[2] = WallKind::symmetry;
+  EXPECT_NEAR(OutlineFinder(what, p).find(p.places).radius, std::sqrt(2) + 0.05, 1e-12);
 }
 
 }  // namespace

@@ -36,6 +36,8 @@ int check_case(const std::string& case_file, int threads) {
   for (const std::string& notice : {notice_of_stiffness(what.numerics), notice_of_preset(what)})
     if (!notice.empty()) fmt::print("\nwarning: {}\n", notice);
 
+  if (const std::string notice = notice_of_symmetry(what); !notice.empty()) fmt::print("\n  {}\n", notice);
+
   const auto loop = make_openmp(threads);
   const auto simulation = make_simulation(what, *loop);
   const double first = simulation->next_dt();

@@ -46,6 +46,8 @@ int list_everything() {
   print_choices("Order (numerics.order)", order_choices);
   print_choices("Integrators (numerics.integrator; driver.integrator of element tests)", integrator_choices);
   print_choices("Walls (domain.walls.x_min, x_max, y_min, ...)", wall_choices);
+  fmt::print("\nSurfaces of solids (solid.NAME.contact)\n");
+  for (const Choice& c : contact_choices) fmt::print("  {:<16} {}\n", c.word, c.meaning);
   print_choices("Initial stress (body.NAME.initial_stress)", initial_stress_choices);
   print_choices("Lattice of particles (body.NAME.lattice)", lattice_choices);
   fmt::print("\nQuantities told by every law\n");

@@ -65,6 +65,7 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
       row.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
     }
     table.rows.push_back(std::move(row));
+    table.lines.push_back(number);
   }
   if (table.rows.empty() && !where.empty())
     throw std::runtime_error(fmt::format("{} holds no rows with {} = {}", path, where, is));

@@ -9,6 +9,7 @@ namespace talus {
 struct NumberTable {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
+  std::vector<int> lines{};  ///< of the file, where the rows stand; empty if they come from elsewhere
 
   int column(const std::string& name) const;  ///< -1 if there is none
 };

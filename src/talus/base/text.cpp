@@ -45,10 +45,10 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
   return best;
 }
 
-std::string any_of(const std::vector<std::string_view>& words) {
+std::string any_of(const std::vector<std::string_view>& words, std::string_view last) {
   std::string list;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    if (i > 0) list += i + 1 == words.size() ? " or " : ", ";
+    if (i > 0) list += i + 1 == words.size() ? " " + std::string(last) + " " : ", ";
     list += "`";
     list += words[i];
     list += "`";

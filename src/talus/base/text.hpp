@@ -11,7 +11,7 @@ namespace talus {
 /// little.
 std::string_view most_alike(std::string_view word, const std::vector<std::string_view>& candidates);
 
-/// "`a`, `b` or `c`"
-std::string any_of(const std::vector<std::string_view>& words);
+/// "`a`, `b` or `c`"; or with another word before the last
+std::string any_of(const std::vector<std::string_view>& words, std::string_view last = "or");
 
 }  // namespace talus

@@ -8,17 +8,10 @@
 #include <vector>
 
 #include "talus/base/parameter.hpp"
-#include "talus/case/geometry.hpp"
+#include "talus/case/solid.hpp"
 #include "talus/law/registry.hpp"
 
 namespace talus {
-
-enum class WallKind { open, slip, no_slip };
-inline constexpr Choice wall_choices[] = {
-    {"open", "no wall; a particle that leaves here stops the run"},
-    {"slip", "smooth: nothing passes, nothing is held along the wall"},
-    {"no_slip", "rough: material at the wall sticks to it"},
-};
 
 enum class Preset { standard, paper };
 inline constexpr Choice preset_choices[] = {
@@ -141,7 +134,8 @@ struct Case {
   double cell = 0;  ///< size of the grid's cells [m]
   Index<3> n_cells{};
   Vec<3> gravity{};
-  std::array<WallKind, 6> walls{};  ///< low and high side of x, of y, of z
+  std::array<Wall, 6> walls{};  ///< low and high side of x, of y, of z
+  std::vector<Solid> solids;
   std::vector<Material> materials;
   std::vector<BodySpec> bodies;
   Numerics numerics;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace talus {
 
@@ -45,6 +46,50 @@ bool edges_cross(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec<2>
   return cross(a, b, c) * cross(a, b, d) < 0 && cross(c, d, a) * cross(c, d, b) < 0;
 }
 
+/// What is left of a polygon on the side of `limit` that `keep` (1: above, -1: below) says, along an axis of its plane
+/// (Sutherland and Hodgman 1974, Commun. ACM 17:32).
+std::vector<Vec<2>> cut(const std::vector<Vec<2>>& corners, int axis, double limit, double keep) {
+  std::vector<Vec<2>> left;
+  for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++) {
+    const Vec<2>&a = corners[j], &b = corners[i];
+    const double from = keep * (a[axis] - limit), to = keep * (b[axis] - limit);
+    if ((from < 0) != (to < 0)) left.push_back(a + (from / (from - to)) * (b - a));
+    if (to >= 0) left.push_back(b);
+  }
+  return left;
+}
+
+/// Area of the part of a disk around the origin that lies in a rectangle.
+double area_in_rectangle(double radius, const Vec<2>& min, const Vec<2>& max) {
+  // Between abscissae where the outline changes, it runs along the circle or along the rectangle.
+  std::vector<double> at = {std::clamp(min[0], -radius, radius), std::clamp(max[0], -radius, radius)};
+  for (double y : {min[1], max[1]})
+    if (std::abs(y) < radius)
+      for (double x : {-std::sqrt(radius * radius - y * y), std::sqrt(radius * radius - y * y)})
+        if (x > at[0] && x < at[1]) at.push_back(x);
+  std::sort(at.begin(), at.end());
+  const auto under_circle = [&](double x) {  // integral of sqrt(r^2 - x^2)
+    return 0.5 * (x * std::sqrt(std::max(0.0, radius * radius - x * x)) + radius * radius * std::asin(x / radius));
+  };
+  double sum = 0;
+  for (std::size_t i = 0; i + 1 < at.size(); ++i) {
+    const double a = at[i], b = at[i + 1], middle = 0.5 * (a + b),
+                 half = std::sqrt(std::max(0.0, radius * radius - middle * middle));
+    if (std::max(min[1], -half) >= std::min(max[1], half)) continue;
+    const double circle = under_circle(b) - under_circle(a);
+    sum += (max[1] < half ? max[1] * (b - a) : circle) - (min[1] > -half ? min[1] * (b - a) : -circle);
+  }
+  return sum;
+}
+
+/// What is common to two ranges; 0 if nothing is.
+double overlap(double a, double b, double low, double high) {
+  return std::max(0.0, std::min(b, high) - std::max(a, low));
+}
+
+/// The whole pixel row or column that a coordinate, counted in pixels, lies in; the last one's far edge counts as in it.
+int pixel_at(double x, int n) { return x == n ? n - 1 : int(std::floor(x)); }
+
 template <class... F>
 struct Overloaded : F... {
   using F::operator()...;
@@ -75,6 +120,28 @@ Box bounding_box(const Region& region, int dim) {
                                    b.max[dim - 1] = std::max(b.max[dim - 1], c[1]);
                                  }
                                  return b;
+                               },
+                               [&](const Raster& r) {
+                                 Box b{{1e300, 1e300, 0}, {-1e300, -1e300, 0}};
+                                 for (int row = 0; row < r.height; ++row)
+                                   for (int column = 0; column < r.width; ++column) {
+                                     if (!r.is_filled(column, row)) continue;
+                                     const int from_below = r.height - 1 - row;
+                                     b.min[0] = std::min(b.min[0], r.min[0] + column * r.pixel);
+                                     b.max[0] = std::max(b.max[0], r.min[0] + (column + 1) * r.pixel);
+                                     b.min[1] = std::min(b.min[1], r.min[1] + from_below * r.pixel);
+                                     b.max[1] = std::max(b.max[1], r.min[1] + (from_below + 1) * r.pixel);
+                                   }
+                                 return b;
+                               },
+                               [&](const PointList& p) {
+                                 Box b{p.places.at(0), p.places.at(0)};
+                                 for (const Vec<3>& x : p.places)
+                                   for (int a = 0; a < dim; ++a) {
+                                     b.min[a] = std::min(b.min[a], x[a]);
+                                     b.max[a] = std::max(b.max[a], x[a]);
+                                   }
+                                 return b;
                                }},
                     region);
 }
@@ -93,19 +160,73 @@ bool contains(const Region& region, const Vec<3>& x, int dim) {
                  },
                  [&](const Polygon& p) {
                    return contains_in_plane(p, in_plane(x, dim)) && (dim == 2 || (x[1] >= p.from && x[1] <= p.to));
-                 }},
+                 },
+                 [&](const Raster& r) {
+                   return r.is_filled(pixel_at((x[0] - r.min[0]) / r.pixel, r.width),
+                                      r.height - 1 - pixel_at((x[1] - r.min[1]) / r.pixel, r.height));
+                 },
+                 [&](const PointList&) { return false; }},
       region);
 }
 
 double volume(const Region& region, int dim) {
   return std::visit(
+      Overloaded{
+          [&](const Box& b) {
+            double v = 1;
+            for (int a = 0; a < dim; ++a) v *= b.max[a] - b.min[a];
+            return v;
+          },
+          [&](const Cylinder& c) { return std::numbers::pi * c.radius * c.radius * (dim == 3 ? c.height : 1); },
+          [&](const Polygon& p) { return area(p) * (dim == 3 ? p.to - p.from : 1); },
+          [&](const Raster& r) { return double(std::count(r.filled.begin(), r.filled.end(), 1)) * r.pixel * r.pixel; },
+          [&](const PointList& p) { return std::accumulate(p.volumes.begin(), p.volumes.end(), 0.0); }},
+      region);
+}
+
+double volume(const Region& region, int dim, const Box& box) {
+  return std::visit(
       Overloaded{[&](const Box& b) {
                    double v = 1;
-                   for (int a = 0; a < dim; ++a) v *= b.max[a] - b.min[a];
+                   for (int a = 0; a < dim; ++a) v *= overlap(b.min[a], b.max[a], box.min[a], box.max[a]);
                    return v;
                  },
-                 [&](const Cylinder& c) { return std::numbers::pi * c.radius * c.radius * (dim == 3 ? c.height : 1); },
-                 [&](const Polygon& p) { return area(p) * (dim == 3 ? p.to - p.from : 1); }},
+                 [&](const Cylinder& c) {
+                   const Vec<2> min{box.min[0] - c.centre[0], box.min[1] - c.centre[1]},
+                       max{box.max[0] - c.centre[0], box.max[1] - c.centre[1]};
+                   return area_in_rectangle(c.radius, min, max) *
+                          (dim == 3 ? overlap(c.centre[2], c.centre[2] + c.height, box.min[2], box.max[2]) : 1);
+                 },
+                 [&](const Polygon& p) {
+                   Polygon left = p;
+                   for (int axis : {0, 1}) {
+                     const int a = axis == 0 ? 0 : dim - 1;
+                     left.corners = cut(left.corners, axis, box.min[a], 1);
+                     if (!left.corners.empty()) left.corners = cut(left.corners, axis, box.max[a], -1);
+                     if (left.corners.empty()) return 0.0;
+                   }
+                   return area(left) * (dim == 3 ? overlap(p.from, p.to, box.min[1], box.max[1]) : 1);
+                 },
+                 [&](const Raster& r) {
+                   double v = 0;
+                   for (int row = 0; row < r.height; ++row)
+                     for (int column = 0; column < r.width; ++column)
+                       if (r.is_filled(column, row)) {
+                         const double x = r.min[0] + column * r.pixel, y = r.min[1] + (r.height - 1 - row) * r.pixel;
+                         v += overlap(x, x + r.pixel, box.min[0], box.max[0]) *
+                              overlap(y, y + r.pixel, box.min[1], box.max[1]);
+                       }
+                   return v;
+                 },
+                 [&](const PointList& p) {
+                   double v = 0;
+                   for (std::size_t i = 0; i < p.places.size(); ++i) {
+                     bool in = true;
+                     for (int a = 0; a < dim; ++a) in &= p.places[i][a] >= box.min[a] && p.places[i][a] <= box.max[a];
+                     if (in) v += p.volumes[i];
+                   }
+                   return v;
+                 }},
       region);
 }
 
@@ -120,7 +241,9 @@ double volume_per_radian(const Region& region) {
                                    moment += (a[0] + b[0]) / 6 * (a[0] * b[1] - b[0] * a[1]);
                                  }
                                  return std::abs(moment);
-                               }},
+                               },
+                               // The reader refuses pictures and lists of points around an axis.
+                               [&](const auto&) { return volume(region, 2); }},
                     region);
 }
 
@@ -143,34 +266,41 @@ double depth_below_surface(const Region& region, const Vec<3>& x, int dim) {
                                      top = std::max(top, a[1] + (b[1] - a[1]) * (at[0] - a[0]) / (b[0] - a[0]));
                                  }
                                  return top - at[1];
-                               }},
+                               },
+                               [&](const Raster& r) {
+                                 const int column = pixel_at((x[0] - r.min[0]) / r.pixel, r.width);
+                                 int row = 0;
+                                 while (row < r.height && !r.is_filled(column, row)) ++row;
+                                 return std::max(0.0, r.min[1] + (r.height - row) * r.pixel - x[1]);
+                               },
+                               [&](const PointList&) { return 0.0; }},
                     region);
 }
 
 std::string fault(const Region& region, int dim) {
-  return std::visit(Overloaded{[&](const Box& b) -> std::string {
-                                 for (int a = 0; a < dim; ++a)
-                                   if (!(b.min[a] < b.max[a]))
-                                     return "the box is empty: `min` must lie below `max` along every axis";
-                                 return "";
-                               },
-                               [&](const Cylinder&) -> std::string { return ""; },
-                               [&](const Polygon& p) -> std::string {
-                                 const auto& c = p.corners;
-                                 if (c.size() < 3) return "a polygon has at least three corners";
-                                 if (dim == 3 && !(p.from < p.to))
-                                   return "the prism is empty: `from` must lie below `to`";
-                                 const Box b = bounding_box(p, dim);
-                                 if (!(area(p) > 1e-9 * (b.max[0] - b.min[0]) * (b.max[dim - 1] - b.min[dim - 1])))
-                                   return "the polygon has no area";
-                                 for (std::size_t i = 0; i < c.size(); ++i)
-                                   for (std::size_t j = i + 1; j < c.size(); ++j)
-                                     if (edges_cross(c[i], c[(i + 1) % c.size()], c[j], c[(j + 1) % c.size()]))
-                                       return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " +
-                                              std::to_string(j + 1);
-                                 return "";
-                               }},
-                    region);
+  return std::visit(
+      Overloaded{[&](const Box& b) -> std::string {
+                   for (int a = 0; a < dim; ++a)
+                     if (!(b.min[a] < b.max[a])) return "the box is empty: `min` must lie below `max` along every axis";
+                   return "";
+                 },
+                 [&](const Cylinder&) -> std::string { return ""; },
+                 [&](const Polygon& p) -> std::string {
+                   const auto& c = p.corners;
+                   if (c.size() < 3) return "a polygon has at least three corners";
+                   if (dim == 3 && !(p.from < p.to)) return "the prism is empty: `from` must lie below `to`";
+                   const Box b = bounding_box(p, dim);
+                   if (!(area(p) > 1e-9 * (b.max[0] - b.min[0]) * (b.max[dim - 1] - b.min[dim - 1])))
+                     return "the polygon has no area";
+                   for (std::size_t i = 0; i < c.size(); ++i)
+                     for (std::size_t j = i + 1; j < c.size(); ++j)
+                       if (edges_cross(c[i], c[(i + 1) % c.size()], c[j], c[(j + 1) % c.size()]))
+                         return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " +
+                                std::to_string(j + 1);
+                   return "";
+                 },
+                 [&](const Raster&) -> std::string { return ""; }, [&](const PointList&) -> std::string { return ""; }},
+      region);
 }
 
 }  // namespace talus

@@ -29,7 +29,26 @@ struct Polygon {
   double from, to;
 };
 
-using Region = std::variant<Box, Cylinder, Polygon>;
+/// The dark pixels of a picture, in plane strain.
+struct Raster {
+  Vec<2> min;    ///< lower left corner [m]
+  double pixel;  ///< edge of a pixel [m]
+  int width, height;
+  std::vector<char> filled;  ///< row by row from the top
+
+  bool is_filled(int column, int row_from_top) const {
+    return column >= 0 && column < width && row_from_top >= 0 && row_from_top < height &&
+           filled[std::size_t(row_from_top) * std::size_t(width) + std::size_t(column)];
+  }
+};
+
+/// Points that are particles already, each with its volume [m3]; in plane strain area times a metre.
+struct PointList {
+  std::vector<Vec<3>> places;
+  std::vector<double> volumes;
+};
+
+using Region = std::variant<Box, Cylinder, Polygon, Raster, PointList>;
 
 /// The smallest box around a shape.
 Box bounding_box(const Region& region, int dim);
@@ -37,8 +56,9 @@ Box bounding_box(const Region& region, int dim);
 /// Whether a point lies in a shape; points on the boundary do.
 bool contains(const Region& region, const Vec<3>& x, int dim);
 
-/// Volume [m3], or in plane strain area times a metre.
+/// Volume [m3], or in plane strain area times a metre; of what lies in a box if one is given.
 double volume(const Region& region, int dim);
+double volume(const Region& region, int dim, const Box& box);
 
 /// Volume [m3] per radian of what a shape in the plane sweeps around the axis x = 0: its area times the radius of its
 /// centroid (Pappus).

@@ -31,8 +31,9 @@ struct ElementTestFile {
 CaseFile read_case(const std::string& path);
 ElementTestFile read_element_test(const std::string& path);
 
-/// The same from a text; `name` stands for the file in messages, `folder` is where files it names are looked for.
-CaseFile read_case_text(const std::string& name, std::string_view text);
+/// The same from a text; `name` stands for the file in messages, `folder` is where files it names are looked for. If it
+/// is empty, a case looks in the folder of `name`.
+CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder = "");
 ElementTestFile read_element_test_text(const std::string& name, std::string_view text, const std::string& folder);
 
 /// About how many particles a case will have.

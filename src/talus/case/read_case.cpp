@@ -1,9 +1,15 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
+#include "talus/base/png.hpp"
+#include "talus/base/table.hpp"
+#include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
+#include "talus/case/filling.hpp"
 #include "talus/case/read_law.hpp"
 
 namespace talus {
@@ -12,10 +18,38 @@ namespace {
 
 constexpr const char* axis_names[] = {"x", "y", "z"};
 
+/// Cells that a solid must be thick, so that two planes of nodes are its own: a particle touches nodes up to a cell and a
+/// half away, and at a single plane it would be carried through by its own mass on the other side.
+constexpr double least_thickness = 1;
+
 Vec<3> vector_of(const std::vector<double>& values) {
   Vec<3> v{};
   for (std::size_t a = 0; a < values.size() && a < 3; ++a) v[int(a)] = values[a];
   return v;
+}
+
+/// Reads what a surface does to material: a word, or a table where it takes numbers.
+Wall read_wall(Section& s, const Option& option, std::span<const WallKind> kinds, bool smooth_separates) {
+  static constexpr std::string_view example = "write { kind = \"friction\", friction = 0.38 }";
+  if (!s.is_table(option.key)) {
+    const Wall wall(kinds[s.choice(option)], 0, smooth_separates);
+    if (wall.kind == WallKind::friction) s.complain(option.key, fmt::format("lacks its coefficient; {}", example));
+    return wall.kind == WallKind::slip ? wall : Wall(wall.kind);
+  }
+  Section t = s.section(option.key, option.meaning);
+  Wall wall(kinds[t.required_choice({"kind", option.meaning, option.choices})]);
+  if (wall.kind == WallKind::friction)
+    wall.friction = t.number(
+        {"friction", "1", Range::not_negative(), "Coulomb's coefficient: tangent of the angle of wall friction"});
+  else if (t.has("friction"))
+    t.complain("friction", fmt::format("goes with kind `friction` only; {}", example));
+  if (wall.kind == WallKind::friction || wall.kind == WallKind::slip)
+    wall.separates = t.flag("separates", wall.kind == WallKind::friction || smooth_separates,
+                            "material may lift off; otherwise it is held");
+  else if (t.has("separates"))
+    t.complain("separates", "goes with kinds `slip` and `friction` only");
+  t.close("a wall");
+  return wall;
 }
 
 void read_domain(Section& root, Case& what) {
@@ -51,17 +85,21 @@ void read_domain(Section& root, Case& what) {
                              axis_names[a], with_unit(length, "m"), cells,
                              with_unit(what.domain.min[a] + std::ceil(cells - 1e-6) * what.cell, "m")));
   }
+  static constexpr WallKind all_kinds[] = {WallKind::open, WallKind::slip, WallKind::no_slip, WallKind::friction,
+                                           WallKind::symmetry};
   Section walls = s.has("walls") ? s.section("walls", "what stands on the sides of the domain") : s;
   for (int side = 0; side < 2 * what.dim; ++side) {
     const std::string key = fmt::format("{}_{}", axis_names[side / 2], side % 2 == 0 ? "min" : "max");
     if (s.has("walls"))
-      what.walls[side] = WallKind(walls.choice({key, "wall on this side of the domain", wall_choices}));
+      what.walls[side] = read_wall(walls, {key, "wall on this side of the domain", wall_choices}, all_kinds, false);
     else
       s.note("walls." + key, "open", "wall on this side of the domain");
+    if (what.walls[side].kind == WallKind::symmetry && what.gravity[side / 2] != 0)
+      walls.complain(key, "cannot be a plane of symmetry: gravity goes through it");
   }
   if (what.axisymmetric) {
     if (what.domain.min[0] < 0) s.complain("min", "must not be below 0 along x, which is the radius");
-    if (what.domain.min[0] == 0 && what.walls[0] != WallKind::slip) {
+    if (what.domain.min[0] == 0 && what.walls[0].kind != WallKind::slip) {
       const std::string_view why =
           "must be `slip`: x = 0 is the axis, through which nothing passes and along which all may slide";
       if (s.has("walls"))
@@ -69,6 +107,10 @@ void read_domain(Section& root, Case& what) {
       else
         s.complain(fmt::format("`walls.x_min` {}", why));
     }
+    for (int side = 0; side < 4; ++side)
+      if (what.walls[side].kind == WallKind::symmetry)
+        walls.complain(fmt::format("{}_{}", axis_names[side / 2], side % 2 == 0 ? "min" : "max"),
+                       "is not for axisymmetric cases; the axis itself is `slip`");
     if (what.gravity[0] != 0) s.complain("gravity", "must act along the axis, y");
   }
   if (s.has("walls")) walls.close("the walls; sides of the domain are named x_min, x_max, y_min, ...");
@@ -92,12 +134,15 @@ void read_materials(Section& root, bool as_in_the_paper, Case& what) {
   }
 }
 
+/// Complains unless exactly one of some keys is there.
+void expect_one_of(Section& s, const std::vector<std::string_view>& keys) {
+  int given = 0;
+  for (std::string_view k : keys) given += s.has(k);
+  if (given != 1) s.complain("must have exactly one of " + any_of(keys, "and"));
+}
+
+/// Reads whichever region there is.
 Region read_region(Section& s, const Case& what) {
-  static constexpr const char* kinds[] = {"box", "cylinder", "polygon"};
-  std::vector<std::string> given;
-  for (const char* k : kinds)
-    if (s.has(k)) given.push_back(k);
-  if (given.size() != 1) s.complain("must have exactly one of `box`, `cylinder` and `polygon`");
   const int dim = what.dim;
   Region region = Box{};
   if (s.has("box")) {
@@ -132,7 +177,88 @@ Region read_region(Section& s, const Case& what) {
   return region;
 }
 
-void read_bodies(Section& root, Case& what) {
+/// The dark pixels of a PNG file.
+Region read_raster(Section& s, const Case& what, const std::string& folder) {
+  Raster raster{{}, 0, 0, 0, {}};
+  const std::string file = s.text("file", "PNG file; its dark pixels are the body");
+  const Vec<3> min = vector_of(s.numbers({"min", "m", {}, "lower left corner of the picture"}, 2));
+  raster.min = {min[0], min[1]};
+  raster.pixel = s.number({"pixel", "m", Range::positive(), "edge of a pixel"});
+  const double threshold = s.number(
+      {"threshold", "1", Range::inside(0, 1), "brightness below which a pixel counts as dark, from black 0 to white 1"},
+      0.5);
+  if (what.dim == 3) s.complain("is for plane strain only");
+  s.close("a picture");
+  if (file.empty()) return Box{};
+  try {
+    const GreyImage image = read_png((std::filesystem::path(folder) / file).string());
+    raster.width = image.width;
+    raster.height = image.height;
+    for (std::uint8_t brightness : image.pixels) raster.filled.push_back(brightness < 255 * threshold);
+  } catch (const std::runtime_error& e) {
+    s.complain("file", e.what());
+    return Box{};
+  }
+  if (std::count(raster.filled.begin(), raster.filled.end(), 1) == 0) {
+    s.complain("file", fmt::format("has no pixel darker than {}", threshold));
+    return Box{};
+  }
+  return raster;
+}
+
+/// Points of a CSV file, in SI.
+Region read_points(Section& s, const Case& what, const std::string& folder, std::optional<double> spacing) {
+  const std::string file = s.text(
+      "file", "CSV file of the particles' places, with columns x, y and in 3D z [m], and if you like volume [m3]");
+  s.close("a list of points");
+  if (file.empty()) return Box{};
+  const std::string path = (std::filesystem::path(folder) / file).string();
+  PointList list;
+  try {
+    const NumberTable table = read_csv(path);
+    if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
+    std::vector<std::string_view> known(axis_names, axis_names + what.dim);
+    known.push_back("volume");
+    std::vector<int> columns;
+    for (std::string_view name : known) columns.push_back(table.column(std::string(name)));
+    for (int a = 0; a < what.dim; ++a)
+      if (columns[a] < 0)
+        throw std::runtime_error(fmt::format(
+            "{} has no column `{}`; its first line must name the columns {}, and names {}", path, axis_names[a],
+            fmt::join(known.begin(), known.begin() + what.dim, ","), fmt::join(table.names, ",")));
+    for (const std::string& name : table.names)
+      if (std::find(known.begin(), known.end(), name) == known.end())
+        throw std::runtime_error(fmt::format("{} has a column `{}`, which is none of {}", path, name, any_of(known)));
+    const bool with_volume = columns[what.dim] >= 0;
+    if (with_volume && spacing)
+      throw std::runtime_error(fmt::format("{} tells the volumes: leave out `spacing`", path));
+    if (!with_volume && !spacing)
+      throw std::runtime_error(fmt::format("{} does not tell volumes: give `spacing`, whose {} each particle has", path,
+                                           what.dim == 2 ? "square" : "cube"));
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      const std::vector<double>& row = table.rows[i];
+      Vec<3> x{};
+      double v = with_volume ? row[columns[what.dim]] : std::pow(*spacing, what.dim);
+      bool finite = std::isfinite(v);
+      for (int a = 0; a < what.dim; ++a) {
+        x[a] = row[columns[a]];
+        finite &= std::isfinite(x[a]);
+      }
+      if (!finite)
+        throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
+      if (!(v > 0))
+        throw std::runtime_error(fmt::format("{}:{}: the volume must be greater than 0", path, table.lines[i]));
+      list.places.push_back(x);
+      list.volumes.push_back(v);
+    }
+  } catch (const std::runtime_error& e) {
+    s.complain("file", e.what());
+    return Box{};
+  }
+  return list;
+}
+
+void read_bodies(Section& root, Case& what, const std::string& folder) {
   for (auto& [name, s] : root.named_sections("body", "the bodies, each a region filled with particles")) {
     BodySpec body;
     body.name = name;
@@ -147,9 +273,26 @@ void read_bodies(Section& root, Case& what) {
                                  ? "is not among the materials"
                                  : fmt::format("is not among the materials; there is {}", fmt::join(names, ", ")));
     }
-    body.region = read_region(s, what);
-    body.spacing = s.number({"spacing", "m", Range::positive(), "distance between particles at the start"});
-    body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
+    expect_one_of(s, {"box", "cylinder", "polygon", "image", "points"});
+    if (what.axisymmetric)
+      for (const char* key : {"image", "points"})
+        if (s.has(key)) s.complain(key, "is not for axisymmetric cases; there is box, cylinder, polygon");
+    const Parameter spacing{"spacing", "m", Range::positive(), "distance between particles at the start"};
+    if (s.has("points")) {
+      const std::optional<double> given = s.optional_number(spacing);
+      Section points = s.section("points", "particles listed in a file");
+      body.region = read_points(points, what, folder, given);
+      if (s.has("lattice")) s.complain("lattice", "has no meaning for listed points");
+    } else {
+      if (s.has("image")) {
+        Section image = s.section("image", "the dark pixels of a picture");
+        body.region = read_raster(image, what, folder);
+      } else {
+        body.region = read_region(s, what);
+      }
+      body.spacing = s.number(spacing);
+      body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
+    }
     body.velocity =
         s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
     if (what.axisymmetric && body.lattice == Lattice::corner && bounding_box(body.region, 2).min[0] <= 0)
@@ -160,19 +303,35 @@ void read_bodies(Section& root, Case& what) {
     body.initial_stress =
         InitialStress(s.required_choice({"initial_stress", "stress at the start", initial_stress_choices}));
 
-    const Box box = bounding_box(body.region, what.dim);
+    const Box box = bounding_box(body.region, what.dim), kept = kept_by_symmetry(what);
     for (int a = 0; a < what.dim; ++a)
-      if (box.min[a] < what.domain.min[a] - 1e-9 * what.cell || box.max[a] > what.domain.max[a] + 1e-9 * what.cell) {
+      if (std::max(box.min[a], kept.min[a]) < what.domain.min[a] - 1e-9 * what.cell ||
+          std::min(box.max[a], kept.max[a]) > what.domain.max[a] + 1e-9 * what.cell) {
         s.complain(fmt::format("lies outside the domain along {}: {} to {}, the domain reaches from {} to {}",
                                axis_names[a], with_unit(box.min[a], "m"), with_unit(box.max[a], "m"),
                                with_unit(what.domain.min[a], "m"), with_unit(what.domain.max[a], "m")));
         break;
       }
+    double largest = body.spacing;
+    if (const auto* list = std::get_if<PointList>(&body.region))
+      for (double v : list->volumes) largest = std::max(largest, std::pow(v, 1.0 / what.dim));
+    if (s.has("points") && largest > what.cell * (1 + 1e-9))
+      s.complain("points",
+                 fmt::format("hold a particle of edge {}, larger than the cells ({}): the grid would see holes",
+                             with_unit(largest, "m"), with_unit(what.cell, "m")));
     if (body.spacing > what.cell)
       s.complain("spacing",
                  fmt::format("is larger than the cells ({}): the grid would see holes; at most half a cell is usual",
                              with_unit(what.cell, "m")));
+    for (int a = 0; a < what.dim; ++a) {
+      if (box.max[a] <= kept.min[a] || box.min[a] >= kept.max[a])
+        s.complain(fmt::format("lies behind the plane of symmetry across {}", axis_names[a]));
+      else if ((box.min[a] < kept.min[a] || box.max[a] > kept.max[a]) && body.velocity[a] != 0)
+        s.complain("velocity", fmt::format("carries the body through the plane of symmetry across {}", axis_names[a]));
+    }
     if (body.initial_stress == InitialStress::k0) {
+      if (std::holds_alternative<PointList>(body.region))
+        s.complain("initial_stress", "must be `zero` for listed points: they have no surface to measure depth from");
       for (int a = 0; a < what.dim - 1; ++a)
         if (what.gravity[a] != 0) {
           s.complain("initial_stress",
@@ -199,6 +358,138 @@ void read_bodies(Section& root, Case& what) {
           *law);
     s.close("a body");
     what.bodies.push_back(std::move(body));
+  }
+}
+
+PrescribedMotion read_motion(Section& s, const Case& what, const std::string& folder) {
+  expect_one_of(s, {"velocity", "displacements", "file"});
+  PrescribedMotion motion;
+  if (s.has("velocity")) {
+    const Vec<3> v = vector_of(s.numbers({"velocity", "m/s", {}, "velocity of the solid"}, what.dim));
+    const double from = s.number({"from", "s", Range::not_negative(), "instant at which it starts"}, 0.0);
+    const std::optional<double> until =
+        s.optional_number({"until", "s", Range::positive(), "instant at which it stops"});
+    motion = {{from}, {Vec<3>{}}, v};
+    if (until && !(*until > from)) s.complain("until", "must be later than `from`");
+    if (until && *until > from) motion = {{from, *until}, {Vec<3>{}, (*until - from) * v}, {}};
+  } else {
+    for (const char* key : {"from", "until"})
+      if (s.has(key)) s.complain(key, "goes with `velocity` only");
+  }
+  if (s.has("displacements")) {
+    motion.times = s.numbers({"times", "s", Range::not_negative(), "instants at which displacements are given"}, 0);
+    for (const auto& d : s.points({"displacements", "m", {}, "where the solid is then, from where it began"}, what.dim))
+      motion.displacements.push_back(vector_of(d));
+    if (motion.times.size() != motion.displacements.size()) {
+      s.complain("displacements",
+                 fmt::format("are {} for {} `times`", motion.displacements.size(), motion.times.size()));
+      return {};
+    }
+  } else if (s.has("times")) {
+    s.complain("times", "go with `displacements` only");
+  }
+  if (s.has("file")) {
+    const std::string file = s.text("file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]");
+    const std::string path = (std::filesystem::path(folder) / file).string();
+    try {
+      const NumberTable table = read_csv(path);
+      if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
+      std::vector<std::string_view> known{"time"};
+      known.insert(known.end(), axis_names, axis_names + what.dim);
+      for (std::string_view name : known)
+        if (table.column(std::string(name)) < 0)
+          throw std::runtime_error(fmt::format("{} has no column `{}`; its first line must name the columns {}", path,
+                                               name, fmt::join(known, ",")));
+      if (table.names.size() != known.size())
+        throw std::runtime_error(fmt::format("{} must have the columns {} and no others", path, fmt::join(known, ",")));
+      for (std::size_t i = 0; i < table.rows.size(); ++i) {
+        Vec<3> d{};
+        for (double value : table.rows[i])
+          if (!std::isfinite(value))
+            throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
+        for (int a = 0; a < what.dim; ++a) d[a] = table.rows[i][table.column(axis_names[a])];
+        motion.times.push_back(table.rows[i][table.column("time")]);
+        motion.displacements.push_back(d);
+      }
+    } catch (const std::runtime_error& e) {
+      s.complain("file", e.what());
+      return {};
+    }
+  }
+  for (std::size_t i = 1; i < motion.times.size(); ++i)
+    if (!(motion.times[i] > motion.times[i - 1])) {
+      s.complain(s.has("file") ? "file" : "times",
+                 fmt::format("must increase: {} follows {}", with_unit(motion.times[i], "s"),
+                             with_unit(motion.times[i - 1], "s")));
+      return {};
+    }
+  s.close("a motion");
+  return motion;
+}
+
+SolidShape read_solid_shape(Section& s, const Case& what) {
+  expect_one_of(s, {"half_space", "box", "sphere", "cylinder", "polygon"});
+  const int dim = what.dim;
+  if (s.has("half_space")) {
+    Section h = s.section("half_space", "all points behind a plane");
+    HalfSpace half{vector_of(h.numbers({"point", "m", {}, "a point on the plane"}, dim)),
+                   vector_of(h.numbers({"normal", "1", {}, "direction out of the solid"}, dim))};
+    const double length = std::sqrt(dot(half.normal, half.normal));
+    if (length > 0)
+      half.normal = (1 / length) * half.normal;
+    else
+      h.complain("normal", "must not be zero");
+    h.close("a half-space");
+    return half;
+  }
+  if (s.has("sphere")) {
+    Section b = s.section("sphere", "a sphere; in plane strain a disk");
+    Sphere sphere{vector_of(b.numbers({"centre", "m", {}, "centre"}, dim)),
+                  b.number({"radius", "m", Range::positive(), "radius"})};
+    b.close("a sphere");
+    return sphere;
+  }
+  return std::visit(
+      [](const auto& region) -> SolidShape {
+        if constexpr (requires { SolidShape(region); }) return region;
+        return HalfSpace{};
+      },
+      read_region(s, what));
+}
+
+void read_solids(Section& root, Case& what, const std::string& folder) {
+  if (!root.has("solid")) return;
+  for (auto& [name, s] : root.named_sections("solid", "rigid solids inside the domain")) {
+    Solid solid{name, read_solid_shape(s, what), {}, {}};
+    solid.contact =
+        read_wall(s, {"contact", "what its surface does to material", contact_choices}, contact_kinds, true);
+    if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction"}));
+    if (s.has("motion")) {
+      Section m = s.section("motion", "how the solid moves; without it, it rests");
+      solid.motion = read_motion(m, what, folder);
+    }
+    s.close("a solid");
+    const double thin = thickness(solid.shape, what.dim), least = least_thickness * what.cell;
+    if (thin > 0 && thin < least * (1 - 1e-9))
+      s.complain(fmt::format("is {} thick; it must be as thick as the cells at least, {}, or material leaks through",
+                             with_unit(thin, "m"), with_unit(least, "m")));
+    for (const BodySpec& body : what.bodies) {
+      double deepest = 0;
+      Vec<3> at{};
+      const bool can_be_filled = body.spacing > 0 || std::holds_alternative<PointList>(body.region);
+      if (can_be_filled && estimated_particles(what) < 1e8)
+        for (const Vec<3>& x : fill(what, body).points) {
+          const double distance = solid.at(x, 0, what.dim).distance;
+          if (distance < deepest) {
+            deepest = distance;
+            at = x;
+          }
+        }
+      if (deepest < -1e-6 * what.cell)
+        s.complain(fmt::format("overlaps body `{}` at the start: the particle at ({}) lies {} inside", body.name,
+                               fmt::join(&at[0], &at[0] + what.dim, ", "), with_unit(-deepest, "m")));
+    }
+    what.solids.push_back(std::move(solid));
   }
 }
 
@@ -317,7 +608,7 @@ void read_output(Section& root, Case& what) {
   s.close("[output]");
 }
 
-Case read(Document& document) {
+Case read(Document& document, const std::string& folder) {
   Case what;
   Section root = Section::root(document);
   what.title = root.text("title", "what the case is, in one line");
@@ -325,7 +616,8 @@ Case read(Document& document) {
   Section numerics = root.has("numerics") ? root.section("numerics", "how the equations are solved")
                                           : Section::empty(root, "numerics");
   read_materials(root, numerics.is_text("preset", "paper"), what);
-  read_bodies(root, what);
+  read_bodies(root, what, folder);
+  read_solids(root, what, folder);
   read_numerics(numerics, what);
   Section run = root.section("run", "how long");
   what.end = run.number({"end", "s", Range::positive(), "simulated time at which the run ends"});
@@ -347,20 +639,23 @@ Case read(Document& document) {
 double estimated_particles(const Case& what) {
   double n = 0;
   for (const BodySpec& b : what.bodies)
-    if (b.spacing > 0) n += volume(b.region, what.dim) / std::pow(b.spacing, what.dim);
+    if (const auto* list = std::get_if<PointList>(&b.region))
+      n += double(list->places.size());
+    else if (b.spacing > 0)
+      n += volume(b.region, what.dim) / std::pow(b.spacing, what.dim);
   return n;
 }
 
-CaseFile read_case_text(const std::string& name, std::string_view text) {
+CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder) {
   Document document(name, text);
-  Case what = read(document);
+  Case what = read(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }
 
 CaseFile read_case(const std::string& path) {
   Document document(path);
-  Case what = read(document);
+  Case what = read(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }

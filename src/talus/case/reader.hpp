@@ -91,6 +91,9 @@ class Section {
     return table_->get(key) && table_->get(key)->value<std::string_view>() == text;
   }
 
+  /// Whether a key holds a table.
+  bool is_table(std::string_view key) const { return table_->get(key) && table_->get(key)->is_table(); }
+
   /// Complains about a key that was read, or about the section.
   void complain(std::string_view key, std::string_view text);
   void complain(std::string_view text);

@@ -6,6 +6,12 @@
 /// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
 /// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through. Points
 /// do not leave the domain, so of no shape do they touch more than one node behind a wall.
+///
+/// A wall that material may slide on with friction, or lift off, is not known to turn anything round: there the image
+/// goes on in a line from the node in front of the wall through the node on it, v_image = 2 v_wall - v_front, and what it
+/// is handed goes to these two in the same shares. Beside the wall the shape functions are then hat functions, so all
+/// that the wall gives or takes goes through its own nodes, where the contact (contact.hpp) acts. Were velocity along the
+/// wall mirrored instead, a quarter of what presses on the wall would be the images' and would call up no friction.
 
 #include <array>
 
@@ -21,8 +27,9 @@ struct Domain {
   Vec<Dim> origin;
   double h;  ///< cell size [m]
   Index<Dim> n_cells;
-  std::array<WallKind, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
-  bool axisymmetric = false;            ///< in 2D: the first axis is the radius [m]
+  std::array<Wall, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
+  std::vector<Solid> solids{};
+  bool axisymmetric = false;  ///< in 2D: the first axis is the radius [m]
 
   /// A place in units of cells from the origin; for one point or for several at once.
   template <class Places>
@@ -40,7 +47,7 @@ namespace detail {
 inline NodeValue wall_factors(WallKind wall, int axis, double vector) {
   NodeValue factors(1.0);
   for (int a = 0; a < 3; ++a)
-    if (wall == WallKind::no_slip || (wall == WallKind::slip && a == axis)) factors.set(a, vector);
+    if (wall == WallKind::no_slip || (wall != WallKind::open && a == axis)) factors.set(a, vector);
   return factors;
 }
 
@@ -55,13 +62,22 @@ class Boundary {
 
   Boundary(const Domain<Dim>& domain, const GridType& grid) : domain_(domain) {
     for (int side = 0; side < 2 * Dim; ++side) {
-      const WallKind wall = domain.walls[side];
-      if (wall == WallKind::open) continue;
+      const Wall& wall = domain.walls[side];
+      if (wall.kind == WallKind::open) continue;
       const int axis = side / 2, n = domain.n_cells[axis];
       const bool low = side % 2 == 0;
-      Mirror m{axis, low ? 1 : n - 1, low ? -1 : n + 1, detail::wall_factors(wall, axis, -1), {}, {}};
+      Mirror m{axis,
+               low ? 1 : n - 1,
+               low ? 0 : n,
+               low ? -1 : n + 1,
+               wall.is_contact(),
+               detail::wall_factors(wall.kind, axis, -1),
+               {},
+               {},
+               {}};
       for (int t = 0; t < grid.n_tiles(); ++t) {
         if (holds(grid.tile(t), axis, m.original)) m.originals.push_back(t);
+        if (holds(grid.tile(t), axis, m.wall)) m.walls.push_back(t);
         if (holds(grid.tile(t), axis, m.image)) m.images.push_back(t);
       }
       mirrors_.push_back(std::move(m));
@@ -69,31 +85,54 @@ class Boundary {
     for (int t = 0; t < grid.n_tiles(); ++t) {
       bool near = false;
       for (const Mirror& m : mirrors_)
-        for (int node : {m.original, m.image, (m.original + m.image) / 2}) near |= holds(grid.tile(t), m.axis, node);
+        for (int node : {m.original, m.image, m.wall}) near |= holds(grid.tile(t), m.axis, node);
       near_wall_.push_back(near);
     }
   }
 
   /// Gives the sums at images to their originals.
   void fold_images(GridType& grid, Loop& loop) const {
-    for (const Mirror& m : mirrors_)
+    for (const Mirror& m : mirrors_) {
+      const NodeValue factors = m.continues ? NodeValue(-1.0) : m.factors;
       loop.for_each(int(m.originals.size()), [&](int i, int) {
         const int t = m.originals[i];
         visit(grid, t, m, m.original, m.image,
-              [&](int own, int other, int theirs) { grid.sums(t)[own] += m.factors * grid.sums(other)[theirs]; });
+              [&](int own, int other, int theirs) { grid.sums(t)[own] += factors * grid.sums(other)[theirs]; });
       });
+      if (!m.continues) continue;
+      loop.for_each(int(m.walls.size()), [&](int i, int) {
+        const int t = m.walls[i];
+        visit(grid, t, m, m.wall, m.image,
+              [&](int own, int other, int theirs) { grid.sums(t)[own] += NodeValue(2.0) * grid.sums(other)[theirs]; });
+      });
+    }
   }
 
-  /// Gives images the velocities of their originals, turned round; `nodal` is one of the grid's velocities or its
-  /// acceleration.
+  /// Gives images the velocities of their originals, turned round or in a line with those on the wall; `nodal` is one of
+  /// the grid's velocities or its acceleration. Images keep what stands in the lane of the mass.
   template <class Nodal>
   void extend_to_images(GridType& grid, Loop& loop, Nodal nodal) const {
     for (const Mirror& m : mirrors_)
       loop.for_each(int(m.images.size()), [&](int i, int) {
         const int t = m.images[i];
+        const auto put = [&](int own, NodeValue value) {
+          value.set(3, nodal(t)[own][3]);
+          nodal(t)[own] = value;
+        };
+        const NodeValue factors = m.continues ? NodeValue(-1.0) : m.factors;
         visit(grid, t, m, m.image, m.original,
-              [&](int own, int other, int theirs) { nodal(t)[own] = m.factors * nodal(other)[theirs]; });
+              [&](int own, int other, int theirs) { put(own, factors * nodal(other)[theirs]); });
+        if (!m.continues) return;
+        visit(grid, t, m, m.image, m.wall,
+              [&](int own, int other, int theirs) { put(own, nodal(t)[own] + NodeValue(2.0) * nodal(other)[theirs]); });
       });
+  }
+
+  /// A node of a tile, counted in the whole grid.
+  static Index<Dim> global(const Index<Dim>& place, int node) {
+    Index<Dim> i = Layout::unflatten(node, tile_edge);
+    for (int a = 0; a < Dim; ++a) i[a] += tile_edge * place[a];
+    return i;
   }
 
   /// Whether a tile has nodes on walls or behind them.
@@ -104,7 +143,8 @@ class Boundary {
     NodeValue factors(1.0);
     for (int side = 0; side < 2 * Dim; ++side) {
       const int axis = side / 2, on = side % 2 == 0 ? 0 : domain_.n_cells[axis];
-      if (global(place, node)[axis] == on) factors *= detail::wall_factors(domain_.walls[side], axis, 0);
+      if (global(place, node)[axis] == on && !domain_.walls[side].is_contact())
+        factors *= detail::wall_factors(domain_.walls[side].kind, axis, 0);
     }
     return factors;
   }
@@ -115,20 +155,25 @@ class Boundary {
       if (i[m.axis] == m.image) return true;
     return false;
   }
+  /// How much of what a node has gained, beyond what points handed to it, came from walls: all of it at a node that
+  /// counts. At an image it is what turning round adds: what the points there gain counts, and so does what its original
+  /// lacks.
+  NodeValue gained_from_walls(const Index<Dim>& place, int node) const {
+    NodeValue share(1.0);
+    for (const Mirror& m : mirrors_)
+      if (global(place, node)[m.axis] == m.image) share *= m.continues ? zero_node() : NodeValue(1.0) - m.factors;
+    return share;
+  }
 
  private:
-  /// One wall: the plane of nodes in front of it and that of their images.
+  /// One wall: the plane of nodes in front of it, its own and that of the images.
   struct Mirror {
-    int axis, original, image;
-    NodeValue factors;
-    std::vector<int> originals, images;  ///< tiles that hold such nodes
+    int axis, original, wall, image;
+    bool continues;     ///< images stand in a line with the nodes on the wall and in front of it
+    NodeValue factors;  ///< otherwise: by which they differ from these
+    std::vector<int> originals, walls, images;  ///< tiles that hold such nodes
   };
 
-  static Index<Dim> global(const Index<Dim>& place, int node) {
-    Index<Dim> i = Layout::unflatten(node, tile_edge);
-    for (int a = 0; a < Dim; ++a) i[a] += tile_edge * place[a];
-    return i;
-  }
   static bool holds(const Tile<Dim, Shape>& tile, int axis, int node) {
     const int i = node - tile_edge * tile.place[axis];
     return i >= 0 && i < tile_edge;

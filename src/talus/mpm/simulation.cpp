@@ -3,30 +3,13 @@
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
+#include "talus/case/filling.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
 namespace talus {
 
 namespace {
-
-/// The points of a body: every place of the lattice that lies in the region.
-std::vector<Vec<3>> lattice_points(const BodySpec& spec, int dim) {
-  const Box box = bounding_box(spec.region, dim);
-  const double offset = spec.lattice == Lattice::cells ? 0.5 : 0;
-  Index<3> n{1, 1, 1};
-  for (int a = 0; a < dim; ++a) n[a] = int(std::floor((box.max[a] - box.min[a]) / spec.spacing - offset + 1e-9)) + 1;
-  std::vector<Vec<3>> points;
-  for (int k = 0; k < n[2]; ++k)
-    for (int j = 0; j < n[1]; ++j)
-      for (int i = 0; i < n[0]; ++i) {
-        Vec<3> x{};
-        const Index<3> at{i, j, k};
-        for (int a = 0; a < dim; ++a) x[a] = box.min[a] + (at[a] + offset) * spec.spacing;
-        if (contains(spec.region, x, dim)) points.push_back(x);
-      }
-  return points;
-}
 
 template <class Law>
 double bulk_density(const Law& law, const Material& material, const BodySpec& spec) {
@@ -42,7 +25,7 @@ double bulk_density(const Law& law, const Material& material, const BodySpec& sp
 template <int Dim>
 Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
   const Material& material = what.materials[spec.material];
-  const std::vector<Vec<3>> points = lattice_points(spec, Dim);
+  const auto [points, volumes] = fill(what, spec);
   if (points.empty())
     throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
   // The start is made by the law that the run goes on with, so that its elastic strains fit its stress.
@@ -56,16 +39,10 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
         Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>, extras), {}};
         Particles<Dim>& p = body.particles;
         p.resize(n);
-        // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
-        // proportion to their radius.
-        const double whole = what.axisymmetric ? volume_per_radian(spec.region) : volume(spec.region, Dim);
-        double radii = 0;
-        for (const Vec<3>& x : points) radii += x[0];
         const double density = bulk_density(law, material, spec);
         double weight = 0;  // gravity along the vertical axis, downwards
         if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
         for (int i = 0; i < n; ++i) {
-          const double each = what.axisymmetric ? whole * points[i][0] / radii : whole / n;
           InitialState initial;
           if (weight > 0) {
             const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
@@ -82,11 +59,11 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
             p.position(a)[i] = points[i][a];
             p.velocity(a)[i] = spec.velocity[a];
           }
-          p.mass()[i] = density * each;
-          p.reference_volume()[i] = each / law.specific_volume(at_rest);
+          p.mass()[i] = density * volumes[i];
+          p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);
           p.id()[i] = double(first_id + i);
           set_state<Law>(p, i, at_rest);
-          if (extras.modulus) p.wave_modulus()[i] = each * stiffness_at_rest(law, at_rest, numerics.integration);
+          if (extras.modulus) p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, numerics.integration);
         }
         return body;
       },
@@ -106,6 +83,7 @@ std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
     domain.walls[2 * a + 1] = what.walls[2 * a + 1];
     gravity[a] = what.gravity[a];
   }
+  domain.solids = what.solids;
   std::vector<Body<Dim>> bodies;
   long n = 0;
   for (const BodySpec& spec : what.bodies) {

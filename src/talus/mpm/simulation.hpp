@@ -29,20 +29,26 @@ struct Ledger {
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
   /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, and work of
-  /// the stress on motion that the nodes make and the particles do not. Walls at rest do no work.
+  /// the stress on motion that the nodes make and the particles do not.
   double numerical = 0;
-  double initial = 0;  ///< kinetic, potential and elastic energy at the start
+  double wall_friction = 0;  ///< heat of friction on walls and solids since the start
+  /// Work that the material has done on moving solids since the start; negative where they pushed it. Walls at rest do
+  /// none.
+  double wall_work = 0;
+  Vec<3> wall_impulse{};  ///< what walls and solids have given to the material since the start [N s]
+  double initial = 0;     ///< kinetic, potential and elastic energy at the start
   /// The most that kinetic and potential energy together have ever changed, or kinetic energy ever been: what losses
   /// and errors are measured by.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
-  int n_separated = 0;     ///< particles whose grains have moved apart
+  long n_separated = 0;    ///< particles whose grains have moved apart
   long n_unconverged = 0;  ///< stress updates that did not converge, since the start
 
   /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
   /// joule.
   double error() const {
-    return kinetic + potential + elastic + plastic + collisional + averaging + numerical - initial;
+    return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work -
+           initial;
   }
 };
 

@@ -13,6 +13,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/mpm/contact.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 #include "talus/mpm/time_step.hpp"
@@ -35,6 +36,7 @@ class Stepper final : public Simulation {
         gravity_(gravity),
         numerics_(numerics),
         loop_(loop),
+        contact_finder_(domain),
         scratch_(loop.n_workers()) {
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
@@ -50,19 +52,21 @@ class Stepper final : public Simulation {
     const StepBounds limits = bounds();
     const BoundedStep next = next_step();
     const double dt = next.dt;
-    const TileSums nodes = find_node_velocities();
-    ledger_.numerical += ledger_.kinetic - nodes.held_kinetic;
+    const double alpha = share_kept(dt);
+    const TileSums nodes = find_node_velocities(alpha);
+    ledger_.numerical += ledger_.kinetic - nodes.held_kinetic + nodes.wall_work;
+    ledger_.wall_work -= nodes.wall_work;
     if (numerics_.order == Order::usf) {
-      update_stresses(dt);
+      update_stresses(dt, alpha);
       accelerate_nodes(dt);
-      move_particles(dt);
+      move_particles(dt, alpha);
     } else {
-      give_present_forces();
+      give_present_forces(alpha);
       accelerate_nodes(dt);
-      speed_up_particles(dt);
-      find_node_velocities();
-      update_stresses(dt);
-      move_particles(dt);
+      speed_up_particles(dt, alpha);
+      find_node_velocities(alpha);
+      update_stresses(dt, alpha);
+      move_particles(dt, alpha);
     }
     ledger_.turnover =
         std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
@@ -106,14 +110,29 @@ class Stepper final : public Simulation {
     return next;
   }
   StepBounds bounds() const {
-    return {domain_.h, numerics_.cfl, wave_speed_, ledger_.max_speed, viscosity_, std::sqrt(dot(gravity_, gravity_)),
+    return {domain_.h, numerics_.cfl, wave_speed_, fastest(), viscosity_, std::sqrt(dot(gravity_, gravity_)),
             last_dt_,  contacts_};
+  }
+  /// The largest speed of a particle or of a solid.
+  double fastest() const {
+    double speed = ledger_.max_speed;
+    for (const Solid& s : domain_.solids) {
+      const Vec<3> v = s.motion.velocity(ledger_.time);
+      speed = std::max(speed, std::sqrt(dot(v, v)));
+    }
+    return speed;
+  }
+  /// The share of its own velocity that a particle keeps in a step.
+  double share_kept(double dt) const {
+    if (is_affine(numerics_.transfer)) return 0;
+    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
   }
 
   // ---- the step, a verb a function --------------------------------------------------------------------------------
 
-  /// v_I = sum N m v / sum N m, and what walls allow of it.
-  TileSums find_node_velocities() {
+  /// v_I = sum N m v / sum N m, and what walls and solids allow of it. Particles will keep the share `alpha` of their own
+  /// velocities.
+  TileSums find_node_velocities(double alpha) {
     add_windows();
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       const NodeValue* momentum = grid_.sums(t);
@@ -124,15 +143,20 @@ class Stepper final : public Simulation {
         v[i].set(3, mass);
         if (counts) sums.held_kinetic += 0.5 * mass * norm2(v[i]);
       });
+      if (!contact_finder_.any()) return;
+      contact_finder_.find(grid_, *boundary_, t, ledger_.time, least_mass_, node_contacts_[t]);
+      meet(t, 1 - alpha, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.velocity(t); });
     return total;
   }
 
   /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
-  void update_stresses(double dt) {
+  void update_stresses(double dt, double alpha) {
     const StressUpdate how{dt, numerics_.integration, numerics_.average_pressure, numerics_.f_bar};
+    const bool stress_first = numerics_.order == Order::usf;
     const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
+      if (stress_first) account_walls(t, grid_.velocity(t), zero_node(), sums);
       if (!grid_.tile(t).occupied) return;
       Scratch& s = scratch_[worker];
       NodeValue velocity[Layout::n_window];
@@ -144,12 +168,13 @@ class Stepper final : public Simulation {
         s.resize(tile.size());
         take_gradients(body, t, velocity, s);
         update_stress(body.law, body.particles, tile, cells_of(t), how, s, sums);
-        if (numerics_.order == Order::usf)
+        if (stress_first)
           give_forces(body, t, s);
         else
           std::copy_n(s.stiffness.begin(), tile.size(), body.particles.wave_modulus() + tile.begin);
       }
     });
+    ledger_.wall_impulse = ledger_.wall_impulse + (1 - alpha) * total.wall_impulse;
     ledger_.elastic = total.elastic;
     ledger_.plastic += total.plastic_work;
     ledger_.averaging += total.averaging;
@@ -170,8 +195,7 @@ class Stepper final : public Simulation {
   /// node: one stiff particle among many does not make them faster.
   void accelerate_nodes(double dt) {
     add_windows();
-    NodeValue gravity = zero_node();
-    for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
+    const NodeValue gravity = gravity_at_nodes();
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       const NodeValue *sum = grid_.sums(t), *v = grid_.velocity(t);
       NodeValue *v_new = grid_.new_velocity(t), *a = grid_.acceleration(t);
@@ -193,17 +217,21 @@ class Stepper final : public Simulation {
         sums.new_kinetic += 0.5 * mass * speed2;
         sums.node_speed2 = std::max(sums.node_speed2, speed2);
       });
+      if (contact_finder_.any()) rub(t, dt, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.acceleration(t); });
     ledger_.numerical += total.new_kinetic + total.grid_work;
+    ledger_.wall_friction += total.wall_friction;
+    ledger_.wall_work -= total.wall_work;
     node_speed_ = std::sqrt(total.node_speed2);
     wave_speed_ = std::sqrt(total.wave_speed2);
   }
 
   /// f_I = -sum V sigma grad N of the stress as it is (musl).
-  void give_present_forces() {
-    over_tiles([&](int t, int worker, TileSums&) {
+  void give_present_forces(double alpha) {
+    const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
+      account_walls(t, grid_.velocity(t), zero_node(), sums);
       if (!grid_.tile(t).occupied) return;
       Scratch& s = scratch_[worker];
       grid_.clear_window(t);
@@ -216,33 +244,32 @@ class Stepper final : public Simulation {
         give_forces(body, t, s);
       }
     });
+    ledger_.wall_impulse = ledger_.wall_impulse + (1 - alpha) * total.wall_impulse;
   }
 
   /// v_p from the nodes, and back to them with the same weights (musl).
-  void speed_up_particles(double dt) {
-    const double alpha = share_kept(dt);
-    over_tiles([&](int t, int, TileSums&) {
+  void speed_up_particles(double dt, double alpha) {
+    const NodeValue gravity = gravity_at_nodes();
+    const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      account_walls(t, grid_.acceleration(t), gravity, sums);
       if (!grid_.tile(t).occupied) return;
       advance<Advance::velocities>(t, dt, alpha);
       give_momentum(t);
     });
-  }
-
-  /// The share of a particle's own velocity that it keeps through a step.
-  double share_kept(double dt) const {
-    if (is_affine(numerics_.transfer)) return 0;
-    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+    ledger_.wall_impulse = ledger_.wall_impulse + dt * total.wall_impulse;
   }
 
   /// v_p (if stress came first) and x_p from the nodes; then the particles give mass and momentum to the nodes where
   /// they are now.
-  void move_particles(double dt) {
-    const double alpha = share_kept(dt);
+  void move_particles(double dt, double alpha) {
     drift_ += node_speed_ * dt / domain_.h;
     const bool reorder = drift_ > largest_drift;
+    const NodeValue gravity = gravity_at_nodes();
+    const bool stress_first = numerics_.order == Order::usf;
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
+      if (stress_first) account_walls(t, grid_.acceleration(t), gravity, sums);
       if (!grid_.tile(t).occupied) return;
-      if (numerics_.order == Order::usf)
+      if (stress_first)
         advance<Advance::both>(t, dt, alpha);
       else
         advance<Advance::places>(t, dt, alpha);
@@ -250,6 +277,7 @@ class Stepper final : public Simulation {
       if (!reorder && !sums.bad) give_momentum(t);
     });
     take(total);
+    ledger_.wall_impulse = ledger_.wall_impulse + dt * total.wall_impulse;
     ledger_.numerical -= ledger_.kinetic;
     if (total.bad)
       stop("a particle has left the domain",
@@ -258,6 +286,80 @@ class Stepper final : public Simulation {
       arrange();
       give_all_momentum();
     }
+  }
+
+  // ---- walls and solids ------------------------------------------------------------------------------------------
+
+  NodeValue gravity_at_nodes() const {
+    NodeValue gravity = zero_node();
+    for (int a = 0; a < Dim; ++a) gravity.set(a, gravity_[a]);
+    return gravity;
+  }
+
+  static Vec<3> vector_of(NodeValue v) { return {v[0], v[1], v[2]}; }
+  static void set_vector(NodeValue& node, const Vec<3>& v) {
+    for (int a = 0; a < 3; ++a) node.set(a, v[a]);
+  }
+
+  /// What contacts allow of the velocities that nodes have been given; particles feel the share `felt` of the impulse.
+  void meet(int t, double felt, TileSums& sums) {
+    for (NodeContact& c : node_contacts_[t]) {
+      NodeValue& at_node = grid_.velocity(t)[c.node];
+      const NodeValue before = at_node;
+      const Vec<3> v = vector_of(before), met = admitted(c, v);
+      set_vector(at_node, met);
+      at_node *= boundary_->allowed(grid_.tile(t).place, c.node);
+      const double mass = before[3];
+      c.pressed = felt * dot(met - v, c.normal);
+      sums.held_kinetic += 0.5 * mass * (norm2(at_node) - norm2(before));
+      sums.wall_work += felt * mass * dot(vector_of(at_node - before), c.velocity);
+    }
+  }
+
+  /// What contacts make of the velocities that nodes have reached. Their energy goes into work on what moves and into
+  /// heat of what rubs.
+  void rub(int t, double dt, TileSums& sums) {
+    const NodeValue* v = grid_.velocity(t);
+    NodeValue* v_new = grid_.new_velocity(t);
+    for (NodeContact& c : node_contacts_[t]) {
+      const NodeValue trial = v_new[c.node];
+      set_vector(v_new[c.node], after_contact(c, vector_of(trial)));
+      v_new[c.node] *= boundary_->allowed(grid_.tile(t).place, c.node);
+      const double mass = v[c.node][3];
+      const NodeValue change = v_new[c.node] - trial;
+      c.impulse = mass * vector_of(change);
+      sums.grid_work -= 0.5 * dt * dot3(grid_.sums(t)[c.node], change);
+      sums.new_kinetic += 0.5 * mass * (norm2(v_new[c.node]) - norm2(trial));
+      sums.node_speed2 = std::max(sums.node_speed2, norm2(v_new[c.node]));
+    }
+    // A node may meet several surfaces; what each gave worked on the way that the node went in the end. Along the surface
+    // that is friction; across it, where the node came and went within the step, an error of the step.
+    for (const NodeContact& c : node_contacts_[t]) {
+      grid_.acceleration(t)[c.node] = NodeValue(1 / dt) * (v_new[c.node] - v[c.node]);
+      const Vec<3> sliding = 0.5 * vector_of(v[c.node] + v_new[c.node]) - c.velocity;
+      const double across = dot(c.impulse, c.normal) * dot(sliding, c.normal);
+      sums.wall_work += dot(c.impulse, c.velocity);
+      sums.wall_friction += across - dot(c.impulse, sliding);
+      sums.grid_work -= across;
+    }
+  }
+
+  /// Adds up what a tile's nodes have gained from walls and solids: mass times `nodal` is what they have, the sums of the
+  /// grid and `mass` times `everywhere` what particles and gravity gave them.
+  void account_walls(int t, const NodeValue* nodal, NodeValue everywhere, TileSums& sums) {
+    const bool near_wall = boundary_->near_wall(t);
+    if (!near_wall && (!contact_finder_.any() || node_contacts_[t].empty())) return;
+    const NodeValue *given = grid_.sums(t), *v = grid_.velocity(t);
+    const Index<Dim>& place = grid_.tile(t).place;
+    NodeValue gained = zero_node();
+    for (int i = 0; i < Layout::n_nodes; ++i) {
+      const NodeValue mass(v[i][3]);
+      const bool image = near_wall && boundary_->is_image(place, i);
+      const NodeValue from_points = image ? given[i] : given[i] + mass * everywhere;
+      const NodeValue share = near_wall ? boundary_->gained_from_walls(place, i) : NodeValue(1.0);
+      gained += share * (mass * nodal[i] - from_points);
+    }
+    sums.wall_impulse = sums.wall_impulse + vector_of(gained);
   }
 
   // ---- one tile --------------------------------------------------------------------------------------------------
@@ -533,6 +635,7 @@ class Stepper final : public Simulation {
   /// What follows from the arrangement of particles and tiles.
   void settle_on_grid() {
     boundary_.emplace(domain_, grid_);
+    node_contacts_.resize(grid_.n_tiles());
     deal_out_tiles();
   }
 
@@ -607,6 +710,8 @@ class Stepper final : public Simulation {
   Loop& loop_;
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
+  ContactFinder<Dim, Shape> contact_finder_;
+  std::vector<std::vector<NodeContact>> node_contacts_;  ///< of this step, tile by tile
   std::vector<Scratch> scratch_;
   Shares shares_;  ///< the tiles, dealt out
   Ledger ledger_;
@@ -627,7 +732,7 @@ std::unique_ptr<Simulation> make_stepper(const Domain<Dim>& domain, std::vector<
 
 template <int Dim, class Shape>
 Observation Stepper<Dim, Shape>::observe() {
-  if (!broken_) find_node_velocities();
+  if (!broken_) find_node_velocities(1);
   Observation seen{ledger_.time, ledger_.step, {}};
   int number = 0;
   for (const auto& body : bodies_) {

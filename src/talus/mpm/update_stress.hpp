@@ -19,6 +19,9 @@ struct TileSums {
   double held_kinetic = 0;      ///< of the nodes before the step [J]
   double new_kinetic = 0;       ///< of the nodes after the step [J]
   Vec<3> momentum{};            ///< of the particles [kg m/s]
+  Vec<3> wall_impulse{};        ///< what nodes gained from walls and solids [kg m/s], or of it a second [N]
+  double wall_work = 0;         ///< that moving solids did in this step [J]
+  double wall_friction = 0;     ///< that became heat at walls and solids [J]
   double mass = 0;              ///< [kg]
   double wave_speed2 = 0;       ///< largest squared speed of compression waves at a node [m2/s2]
   double viscosity = 0;         ///< largest kinematic viscosity [m2/s]
@@ -43,6 +46,9 @@ inline void TileSums::add(const TileSums& o) {
   held_kinetic += o.held_kinetic;
   new_kinetic += o.new_kinetic;
   momentum = momentum + o.momentum;
+  wall_impulse = wall_impulse + o.wall_impulse;
+  wall_work += o.wall_work;
+  wall_friction += o.wall_friction;
   mass += o.mass;
   wave_speed2 = std::max(wave_speed2, o.wave_speed2);
   viscosity = std::max(viscosity, o.viscosity);

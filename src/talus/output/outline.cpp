@@ -48,6 +48,10 @@ OutlineFinder::OutlineFinder(const Case& what, const ParticlePlaces& start)
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
   if (axisymmetric_) axis_ = {};
   for (double size : start.sizes) half_sizes_.push_back(size / 2);
+  for (int a = 0; a < what.dim - 1; ++a) {  // the axis of what a plane of symmetry cuts lies in it
+    if (what.walls[2 * a].kind == WallKind::symmetry) axis_[a] = what.domain.min[a];
+    if (what.walls[2 * a + 1].kind == WallKind::symmetry) axis_[a] = what.domain.max[a];
+  }
 }
 
 Outline OutlineFinder::find(const std::vector<Vec<3>>& places) const {

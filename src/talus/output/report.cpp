@@ -37,6 +37,16 @@ std::string verdict_of(const Ledger& l) {
       missed <= most_missed ? "closes" : "does not close", 100 * missed, 100 * most_missed);
 }
 
+std::string surface_in_words(const Wall& surface) {
+  switch (surface.kind) {
+    case WallKind::friction:
+      return fmt::format("friction {:.3g}{}", surface.friction, surface.separates ? "" : " and held");
+    case WallKind::symmetry: return "plane of symmetry";
+    case WallKind::no_slip: return "rough";
+    default: return surface.separates ? "smooth, lets go" : "smooth";
+  }
+}
+
 /// The case in a few sentences.
 std::string in_words(const Case& what) {
   const auto length = [](double x) { return with_unit(x, "m"); };
@@ -53,20 +63,25 @@ std::string in_words(const Case& what) {
                                  with_unit(std::hypot(what.gravity[0], what.gravity[1], what.gravity[2]), "m/s2"));
   for (const BodySpec& body : what.bodies) {
     const Material& material = what.materials[body.material];
-    const char* shape = std::holds_alternative<Cylinder>(body.region)  ? "cylinder"
-                        : std::holds_alternative<Polygon>(body.region) ? "polygon"
-                                                                       : "box";
-    text += fmt::format(" `{}` is a {} within {}, of {} (law {}), with particles {} apart.", body.name, shape,
+    const char* shape = std::holds_alternative<Cylinder>(body.region)    ? "cylinder"
+                        : std::holds_alternative<Polygon>(body.region)   ? "polygon"
+                        : std::holds_alternative<Raster>(body.region)    ? "picture"
+                        : std::holds_alternative<PointList>(body.region) ? "list of points"
+                                                                         : "box";
+    const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
+    text += fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
                         size(bounding_box(body.region, what.dim)), material.name,
-                        std::visit([](const auto& law) { return std::string(law.name); }, material.law),
-                        length(body.spacing));
+                        std::visit([](const auto& law) { return std::string(law.name); }, material.law), apart);
   }
   std::vector<std::string> walls;
   for (int side = 0; side < 2 * what.dim; ++side)
-    if (what.walls[side] != WallKind::open)
-      walls.push_back(fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max",
-                                  what.walls[side] == WallKind::slip ? "smooth" : "rough"));
+    if (what.walls[side].kind != WallKind::open)
+      walls.push_back(
+          fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max", surface_in_words(what.walls[side])));
   text += walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
+  for (const Solid& solid : what.solids)
+    text += fmt::format(" `{}` is a solid, {}, that {}.", solid.name, surface_in_words(solid.contact),
+                        solid.motion.times.empty() ? "rests" : "moves");
   return text + fmt::format(" It is followed until {}.", with_unit(what.end, "s"));
 }
 
@@ -177,6 +192,14 @@ std::string notice_of_preset(const Case& what) {
   return text;
 }
 
+std::string notice_of_symmetry(const Case& what) {
+  int planes = 0;
+  for (const Wall& wall : what.walls) planes += wall.kind == WallKind::symmetry;
+  if (planes == 0) return "";
+  return fmt::format("{} plane{} of symmetry: masses, energies and impulses are those of the part that is computed.",
+                     planes, planes == 1 ? "" : "s");
+}
+
 std::string in_words(const StepTally& t) {
   const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
   if (t.n() == 0) return "no steps";
@@ -251,10 +274,12 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                    {"snapshots", run.n_snapshots},
                    {"resumed_at_seconds", run.resumed_at},
                    {"warnings", run.warnings}};
-  record["ledger_joule"] = {{"initial", l.initial},     {"kinetic", l.kinetic},     {"potential", l.potential},
-                            {"elastic", l.elastic},     {"plastic", l.plastic},     {"collisional", l.collisional},
-                            {"averaging", l.averaging}, {"numerical", l.numerical}, {"turnover", l.turnover},
-                            {"error", l.error()}};
+  record["ledger_joule"] = {
+      {"initial", l.initial},          {"kinetic", l.kinetic},     {"potential", l.potential},
+      {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
+      {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
+      {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  record["wall_impulse_newton_second"] = {l.wall_impulse[0], l.wall_impulse[1], l.wall_impulse[2]};
   const StepTally& t = run.tally;
   nlohmann::ordered_json held;
   for (int i = 0; i < n_bounds; ++i) held[std::string(bound_names[i].word)] = t.held[i];
@@ -301,6 +326,9 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
           "again. A click shows the particles at that instant.</p>\n"
        << charts_section(folder, charts);
 
+  if (const std::string notice = notice_of_symmetry(what); !notice.empty())
+    page << "<p>" << escaped(notice) << "</p>\n";
+
   const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
   page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
   const auto row = [&](const char* name, double a, double b) {
@@ -336,6 +364,8 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
   energy("was spent in collisions", l.collisional);
   energy("was lost when compression was averaged over cells", l.averaging);
   energy("was lost in the transfers between particles and grid", l.numerical);
+  energy("became heat by friction on walls and solids", l.wall_friction);
+  energy("was work on moving solids (negative: they pushed)", l.wall_work);
   energy("is not accounted for", -l.error());
   page << "</table>\n";
 

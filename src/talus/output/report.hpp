@@ -37,6 +37,9 @@ std::string notice_of_stiffness(const Numerics& numerics);
 /// What a case with a preset is, and where it departs from it; nothing for the standard one.
 std::string notice_of_preset(const Case& what);
 
+/// That planes of symmetry leave only a part of the whole to be computed; nothing if there are none.
+std::string notice_of_symmetry(const Case& what);
+
 /// How long the steps were and what bounded them, in a sentence.
 std::string in_words(const StepTally& tally);
 

@@ -1,0 +1,31 @@
+#include "talus/base/png.hpp"
+
+#include <fmt/format.h>
+#include <png.h>
+
+#include <filesystem>
+#include <stdexcept>
+
+namespace talus {
+
+GreyImage read_png(const std::string& path) {
+  if (!std::filesystem::is_regular_file(path)) throw std::runtime_error(fmt::format("{} cannot be read", path));
+  png_image file{};
+  file.version = PNG_IMAGE_VERSION;
+  GreyImage image;
+  png_color white{255, 255, 255};
+  bool read = png_image_begin_read_from_file(&file, path.c_str()) != 0;
+  if (read) {
+    file.format = PNG_FORMAT_GRAY;
+    image.width = int(file.width);
+    image.height = int(file.height);
+    image.pixels.resize(PNG_IMAGE_SIZE(file));
+    read = png_image_finish_read(&file, &white, image.pixels.data(), 0, nullptr) != 0;
+  }
+  const std::string why = file.message;
+  png_image_free(&file);
+  if (!read) throw std::runtime_error(fmt::format("{} is no PNG that can be read: {}", path, why));
+  return image;
+}
+
+}  // namespace talus

@@ -1,0 +1,22 @@
+#pragma once
+/// The particles that a body begins with.
+
+#include "talus/case/case.hpp"
+
+namespace talus {
+
+/// The part of space that planes of symmetry leave of the domain's surroundings: unbounded where there is none.
+Box kept_by_symmetry(const Case& what);
+
+struct Filling {
+  std::vector<Vec<3>> points;
+  std::vector<double>
+      volumes;  ///< [m3]; they add up to the exact volume of the body, or of what symmetry leaves of it; around
+                ///< an axis per radian
+};
+
+/// The points of a body: every place of the lattice that lies in the region, or the points it lists, on this side of
+/// planes of symmetry. A point on such a plane is half a particle here and half one behind it.
+Filling fill(const Case& what, const BodySpec& body);
+
+}  // namespace talus

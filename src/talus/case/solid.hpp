@@ -1,0 +1,83 @@
+#pragma once
+/// What stands on the sides of the domain and inside it: walls, rigid solids and how these move.
+
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "talus/base/parameter.hpp"
+#include "talus/case/geometry.hpp"
+
+namespace talus {
+
+enum class WallKind { open, slip, no_slip, friction, symmetry };
+inline constexpr Choice wall_choices[] = {
+    {"open", "no wall; a particle that leaves here stops the run"},
+    {"slip", "smooth: nothing passes, nothing is held along the wall"},
+    {"no_slip", "rough: material at the wall sticks to it"},
+    {"friction", "Coulomb: held along the wall by `friction` times what presses on it, at most"},
+    {"symmetry", "plane of symmetry: smooth; a body may reach through it and is cut there"},
+};
+inline constexpr Choice contact_choices[] = {wall_choices[1], wall_choices[2], wall_choices[3]};
+inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction};
+
+/// What the surface of a wall or of a solid does to material that meets it.
+struct Wall {
+  WallKind kind;
+  double friction;  ///< Coulomb's coefficient, of `friction`
+  bool separates;   ///< material may lift off; otherwise it is held
+
+  Wall(WallKind k = WallKind::open, double mu = 0, bool lifts_off = false)  // NOLINT: a kind alone is a wall
+      : kind(k), friction(mu), separates(lifts_off) {}
+  bool operator==(const Wall&) const = default;
+
+  /// Whether what it does depends on how material meets it, and not on where the wall is alone.
+  bool is_contact() const { return kind == WallKind::friction || separates; }
+};
+
+/// All points behind a plane.
+struct HalfSpace {
+  Vec<3> point;   ///< on the plane
+  Vec<3> normal;  ///< of unit length, out of the solid
+};
+
+/// A sphere; in plane strain a disk.
+struct Sphere {
+  Vec<3> centre;
+  double radius;
+};
+
+using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon>;
+
+/// Where a point is with respect to a surface.
+struct Nearness {
+  double distance;  ///< to the surface [m]; negative inside
+  Vec<3> normal;    ///< of the nearest place of the surface, of unit length, outwards
+};
+Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
+
+/// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges.
+double thickness(const SolidShape& shape, int dim);
+
+/// A prescribed motion without rotation: displacement as a function of nothing but time, linear between instants.
+struct PrescribedMotion {
+  std::vector<double> times;          ///< [s], increasing; before the first all rests
+  std::vector<Vec<3>> displacements;  ///< at those instants [m]
+  Vec<3> velocity_after{};            ///< from the last instant on [m/s]
+
+  Vec<3> displacement(double t) const;
+  /// From the instant t on.
+  Vec<3> velocity(double t) const;
+};
+
+/// A rigid solid inside the domain.
+struct Solid {
+  std::string name;
+  SolidShape shape;
+  Wall contact;
+  PrescribedMotion motion;
+
+  Nearness at(const Vec<3>& x, double t, int dim) const { return nearness(shape, x - motion.displacement(t), dim); }
+};
+
+}  // namespace talus

@@ -1,0 +1,150 @@
+#pragma once
+/// Contact of nodes with walls that rub or let go, and with rigid solids.
+///
+/// Bardenhagen, Brackbill and Sulsky 2000 (Comput. Methods Appl. Mech. Eng. 187:529): the velocity that a node would
+/// have without contact is compared with that of the surface. What would pass the surface is taken from it, which is an
+/// impulse along the normal; what would slide is taken too as far as `friction` times that impulse goes. So material at
+/// rest sticks, and friction never does more than stop it.
+///
+/// It acts twice a step. When momentum has come to the nodes, what would pass is taken before strains are found; of this
+/// impulse the particles feel the share that they take from the nodes' velocities, so that only this share presses. When
+/// forces have acted, the impulse they call up is felt in full.
+
+#include <cmath>
+
+#include "talus/mpm/boundary.hpp"
+
+namespace talus {
+
+/// A node where a wall or solid is met.
+struct NodeContact {
+  int node;  ///< in its tile
+  Wall surface;
+  Vec<3> normal;       ///< of unit length, out of the surface
+  Vec<3> velocity{};   ///< of the surface [m/s]
+  double pressed = 0;  ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
+  Vec<3> impulse{};    ///< given to the node when forces had acted [N s]
+};
+
+/// A velocity without what would pass the surface, or leave it where it may not; where material sticks, the surface's.
+inline Vec<3> admitted(const NodeContact& c, const Vec<3>& v) {
+  if (c.surface.kind == WallKind::no_slip) return c.velocity;
+  const double leaving = dot(v - c.velocity, c.normal);
+  if (leaving > 0 && c.surface.separates) return v;
+  return v - leaving * c.normal;
+}
+
+/// The velocity after the step of a node that without contact would have the velocity `trial`.
+inline Vec<3> after_contact(const NodeContact& c, const Vec<3>& trial) {
+  const Vec<3> v = admitted(c, trial);
+  if (c.surface.kind != WallKind::friction) return v;
+  const double pressed = dot(v - trial, c.normal) + c.pressed;
+  const Vec<3> relative = v - c.velocity, sliding = relative - dot(relative, c.normal) * c.normal;
+  const double speed = std::sqrt(dot(sliding, sliding)), held = std::max(0.0, c.surface.friction * pressed);
+  return speed <= held ? v - sliding : v - (held / speed) * sliding;
+}
+
+/// Finds the nodes where contacts act.
+template <int Dim, class Shape>
+class ContactFinder {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+
+  explicit ContactFinder(const Domain<Dim>& domain) : domain_(domain) {
+    for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
+    any_ |= !domain.solids.empty();
+  }
+
+  /// Whether there is anything to meet.
+  bool any() const { return any_; }
+
+  /// The contacts of a tile's nodes at time t, solids before walls. The grid's sums hold the momentum of all tiles.
+  void find(Grid<Dim, Shape>& grid, const Boundary<Dim, Shape>& boundary, int t, double time, double least_mass,
+            std::vector<NodeContact>& found) const {
+    found.clear();
+    const Index<Dim>& place = grid.tile(t).place;
+    const auto counts = [&](int node) {
+      return grid.sums(t)[node][3] > least_mass && !(boundary.near_wall(t) && boundary.is_image(place, node));
+    };
+    for (const Solid& solid : domain_.solids) {
+      const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
+      const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+      if (solid.at(middle, time, Dim).distance > reach) continue;
+      for (int node = 0; node < Layout::n_nodes; ++node) {
+        if (!counts(node)) continue;
+        const Vec<3> x = place_of(boundary.global(place, node));
+        if (solid.at(x, time, Dim).distance > margin * domain_.h) continue;
+        found.push_back(
+            {node, solid.contact, normal_towards_material(grid, t, node, solid, x, time), solid.motion.velocity(time)});
+      }
+    }
+    if (!boundary.near_wall(t)) return;
+    for (int side = 0; side < 2 * Dim; ++side) {
+      if (!domain_.walls[side].is_contact()) continue;
+      const int axis = side / 2, on = side % 2 == 0 ? 0 : domain_.n_cells[axis];
+      Vec<3> normal{};
+      normal[axis] = side % 2 == 0 ? 1 : -1;
+      for (int node = 0; node < Layout::n_nodes; ++node)
+        if (boundary.global(place, node)[axis] == on && counts(node))
+          found.push_back({node, domain_.walls[side], normal});
+    }
+  }
+
+ private:
+  /// Cells in front of a solid within which a node still is the solid's. So the plane at which material stops lies half a
+  /// cell in front of the surface at most and half a cell behind it, as the grid happens to lie; where the surface is a
+  /// plane of nodes, it lies there as at a wall. A little less than a half, so that rounding does not decide for surfaces
+  /// midway between nodes.
+  static constexpr double margin = 0.5 - 1e-6;
+
+  /// Where a node stands; or, all coordinates moved by the same number of nodes, a place beside the tile's first.
+  Vec<3> place_of(const Index<Dim>& node) const {
+    Vec<3> x{};
+    for (int a = 0; a < Dim; ++a) x[a] = domain_.origin[a] + domain_.h * node[a];
+    return x;
+  }
+  Vec<3> place_of(const Index<Dim>& tile, double in_tile) const {
+    Vec<3> x{};
+    for (int a = 0; a < Dim; ++a) x[a] = domain_.origin[a] + domain_.h * (tile_edge * tile[a] + in_tile);
+    return x;
+  }
+
+  /// The solid's normal where one leaves it towards the mass around a node. In a thin solid, at its edges and in its
+  /// middle, the nearest place of the surface may be on a side where there is no material.
+  Vec<3> normal_towards_material(Grid<Dim, Shape>& grid, int t, int node, const Solid& solid, Vec<3> x,
+                                 double time) const {
+    const Index<Dim> own = Layout::unflatten(node, tile_edge);
+    Vec<3> towards{};
+    double mass = 0;
+    for (int n = 0; n < Layout::n_neighbours; ++n) {
+      Index<Dim> i = own, tile_offset{};
+      bool in_domain = true;
+      for (int a = 0; a < Dim; ++a) {
+        i[a] += Layout::unflatten(n, 3)[a] - 1;
+        const int g = i[a] + tile_edge * grid.tile(t).place[a];
+        in_domain &= g >= 0 && g <= domain_.n_cells[a];
+        tile_offset[a] = i[a] < 0 ? -1 : i[a] >= tile_edge ? 1 : 0;
+        i[a] -= tile_edge * tile_offset[a];
+      }
+      const int other = grid.tile(t).neighbours[Layout::neighbour(tile_offset)];
+      if (other < 0 || !in_domain) continue;
+      const double m = grid.sums(other)[Layout::node(i)][3];
+      for (int a = 0; a < Dim; ++a) towards[a] += m * (Layout::unflatten(n, 3)[a] - 1);
+      mass += m;
+    }
+    Nearness here = solid.at(x, time, Dim);
+    const double length = std::sqrt(dot(towards, towards));
+    if (!(length > 1e-3 * mass)) return here.normal;  // as much on either side
+    // Steps as long as the surface is far cannot pass it; the last ones go a hundredth of a cell at least.
+    for (int k = 0; k < 100 && here.distance < 0; ++k) {
+      x = x + (std::max(-here.distance, 0.01 * domain_.h) / length) * towards;
+      here = solid.at(x, time, Dim);
+    }
+    return here.normal;
+  }
+
+  Domain<Dim> domain_;
+  bool any_ = false;
+};
+
+}  // namespace talus
