@@ -150,6 +150,23 @@ TEST_P(OnAnIncline, In3DABlockSlidesDownTheSlopeWhicheverWayThatGoes) {
   EXPECT_LT(std::abs(l.error()), 0.01 * l.turnover);
 }
 
+TEST_P(OnAnIncline, ABlockSlidesByCoulombAndMomentumClosesInEveryOrderAndTransfer) {
+  const double b = std::numbers::pi / 6, mu = 0.3, a = g * (std::sin(b) - mu * std::cos(b));
+  Case what = incline(mu, b);
+  for (Order order : {Order::usf, Order::musl})
+    for (Transfer transfer : {Transfer::flip_tau, Transfer::flip, Transfer::apic, Transfer::tpic}) {
+      what.numerics.order = order;
+      what.numerics.transfer = transfer;
+      const auto loop = make_serial();
+      const auto s = make_simulation(what, *loop);
+      run_until(*s, 0.15);
+      const Ledger& l = s->ledger();
+      SCOPED_TRACE(testing::Message() << "order " << int(order) << ", transfer " << int(transfer));
+      EXPECT_NEAR(l.momentum[0] / l.mass, a * l.time, 0.03 * a * l.time);
+      expect_momentum_closes(l, what.gravity);
+    }
+}
+
 TEST_P(OnAnIncline, BelowTheAngleOfFrictionABlockStays) {
   // tan 15 degrees = 0.268. It begins pressed by its weight but not yet sheared, so its shear swings up to twice what it
   // will be, 0.54 of the pressure, and mu = 0.7 holds that.
