@@ -50,7 +50,10 @@ TEST(ReadCase, UnderstandsTheSlump) {
   EXPECT_DOUBLE_EQ(c.cell, 2e-3);
   EXPECT_EQ(c.n_cells[0], 240);
   EXPECT_EQ(c.n_cells[1], 32);
-  EXPECT_EQ(c.walls[2], WallKind::no_slip);
+  // rough: M/sqrt 3 for phi_c = 20.9 deg and sheng's mean of compression and extension at sin 3theta = 0 (simsand_test.cpp)
+  EXPECT_EQ(c.walls[2].kind, WallKind::friction);
+  EXPECT_NEAR(c.walls[2].friction, 0.4036, 5e-5);
+  EXPECT_TRUE(c.walls[2].separates);
   EXPECT_EQ(c.walls[0], WallKind::open);
   EXPECT_DOUBLE_EQ(c.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
   const Granular& law = std::get<Granular>(c.materials.at(0).law);
@@ -115,9 +118,9 @@ TEST(ReadCase, WrongTypesAndMissingUnitsAreRefused) {
   expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = [\"-240 mm\"]", "must be a list of 2 numbers");
   expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = \"-240 mm\"", "must be a list of 2 numbers");
   expect_complaint("law = \"granular\"", "law = \"granulr\"", "did you mean `granular`?");
-  expect_complaint("y_min = \"no_slip\"", "y_min = \"rough\"",
-                   "must be `open`, `slip`, `no_slip`, `friction` or `symmetry`");
-  expect_complaint("y_min = \"no_slip\"", "z_min = \"no_slip\"", "z_min is no key of the walls");
+  expect_complaint("y_min = \"rough\"", "y_min = \"sticky\"",
+                   "must be `open`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
+  expect_complaint("y_min = \"rough\"", "z_min = \"no_slip\"", "z_min is no key of the walls");
   expect_complaint("[run]\nend = \"0.5 s\"", "[[run]]\nend = \"0.5 s\"", "must be a section [run]");
 }
 
@@ -239,7 +242,7 @@ TEST(ReadCase, AroundAnAxisTheRadiusIsNotNegativeAndTheAxisIsSmooth) {
       text.replace(text.find(what), what.size(), with);
     };
     replace("min = [\"-240 mm\", \"0 mm\"]", "min = [\"" + min + "\", \"0 mm\"]");
-    replace("y_min = \"no_slip\"", walls);
+    replace("y_min = \"rough\"", walls);
     replace("min = [\"-40 mm\", \"0 mm\"]", "min = [\"0 mm\", \"0 mm\"]");
     return text;
   };
@@ -304,7 +307,7 @@ void expect_complaint_about_solid(const std::string& lines, const std::string& p
 
 TEST(ReadCase, AWallIsAWordOrATable) {
   const auto floor = [](const std::string& wall) {
-    return read_case_text("case.toml", slump("y_min = \"no_slip\"", "y_min = " + wall)).what.walls[2];
+    return read_case_text("case.toml", slump("y_min = \"rough\"", "y_min = " + wall)).what.walls[2];
   };
   EXPECT_EQ(floor("\"slip\""), Wall(WallKind::slip));
   EXPECT_EQ(floor("{ kind = \"friction\", friction = 0.38 }"), Wall(WallKind::friction, 0.38, true));
@@ -316,7 +319,7 @@ TEST(ReadCase, AWallIsAWordOrATable) {
 
 TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   const auto expect = [](const std::string& wall, const std::string& part) {
-    expect_complaint("y_min = \"no_slip\"", "y_min = " + wall, part);
+    expect_complaint("y_min = \"rough\"", "y_min = " + wall, part);
   };
   expect("\"friction\"", "lacks its coefficient; write { kind = \"friction\", friction = 0.38 }");
   expect("{ kind = \"friction\" }", "`friction` is missing");
@@ -326,7 +329,11 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect("{ kind = \"no_slip\", friction = 0.3 }", "goes with kind `friction` only");
   expect("{ kind = \"no_slip\", separates = true }", "goes with kinds `slip` and `friction` only");
   expect("{ kind = \"slip\", separates = 1 }", "neither true nor false");
-  expect("{ kind = \"rough\" }", "must be `open`, `slip`, `no_slip`, `friction` or `symmetry`");
+  expect("{ kind = \"sticky\" }", "must be `open`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
+  expect("{ kind = \"rough\", friction = 0.3 }", "goes with kind `friction` only");
+  expect("\"periodic\"", "must have its like on the other side: `y_max` is not periodic");
+  expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
+         "must have its like on the other side: `x_max` is not periodic");
   expect("{ friction = 0.3 }", "`kind` is missing");
   expect("\"symmetry\"", "cannot be a plane of symmetry: gravity goes through it");
 }
@@ -370,8 +377,8 @@ TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
   expect_complaint_about_solid(gate, "`contact` is missing");
   expect_complaint_about_solid("contact = \"slip\"",
                                "must have exactly one of `half_space`, `box`, `sphere`, `cylinder` and `polygon`");
-  expect_complaint_about_solid(gate + "\ncontact = \"sticky\"", "must be `slip`, `no_slip` or `friction`");
-  expect_complaint_about_solid(gate + "\ncontact = \"symmetry\"", "must be `slip`, `no_slip` or `friction`");
+  expect_complaint_about_solid(gate + "\ncontact = \"sticky\"", "must be `slip`, `no_slip`, `friction` or `rough`");
+  expect_complaint_about_solid(gate + "\ncontact = \"symmetry\"", "must be `slip`, `no_slip`, `friction` or `rough`");
   expect_complaint_about_solid(gate + rough + "\nmoton = 1", "did you mean `motion`");
   expect_complaint_about_solid(R"(box = { min = ["40 mm", "0 mm"], max = ["41 mm", "60 mm"] })" + rough,
                                "is 1 mm thick; it must be as thick as the cells at least, 2 mm");

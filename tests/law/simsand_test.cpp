@@ -131,6 +131,33 @@ TEST(Simsand, CriticalStateIsApproachedFromBothSides) {
   }
 }
 
+TEST(Simsand, ALayerShearedOnAndOnIsHeldByTheCriticalFriction) {
+  // Simple shear with the normal stress held. Sheng at sin 3theta = 0: M = M_c (2 c^4/(1 + c^4))^(1/4) with c = (3 - s)/
+  // (3 + s), s = sin phi_c; 20.9 deg gives M_c = 0.8097, c^4 = 0.3846, M = 0.6990 and tau/sigma_n = M/sqrt 3 = 0.4036.
+  Simsand law = case_1_sand();
+  law.phi_c = 20.9 * std::numbers::pi / 180;
+  law.prepare();
+  EXPECT_NEAR(law.critical_friction(), 0.4036, 1e-4);
+  State s = isotropic_state(law, 1e3, 0.85);
+  double v = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const auto miss = [&](double try_v) {
+      State next = s;
+      law.update(next, strain_by({0, -try_v, 0, 5e-4, 0, 0}), implicit);
+      return -next.stress.yy - 1e3;
+    };
+    double a = v, b = v + 1e-7, fa = miss(a), fb = miss(b);
+    for (int k = 0; k < 30 && std::abs(fb) > 1e-6; ++k) {
+      const double c = b - fb * (b - a) / (fb - fa);
+      a = b, fa = fb, b = c, fb = miss(c);
+    }
+    v = b;
+    law.update(s, strain_by({0, -v, 0, 5e-4, 0, 0}), implicit);
+  }
+  // After a shear strain of 20 hardening is done to k_p/kappa = 0.0044/11.5, 0.04 % of the friction.
+  EXPECT_NEAR(-s.stress.xy / s.stress.yy, law.critical_friction(), 0.002 * law.critical_friction());
+}
+
 // ---- the initial state -------------------------------------------------------------------------------------------
 
 TEST(Simsand, AStateOfShearGetsTheLeastKappaThatCarriesIt) {

@@ -123,7 +123,7 @@ TEST_P(OnAnIncline, ABlockSlidesWithTheAccelerationThatCoulombLeavesIt) {
   expect_momentum_closes(l, what.gravity);
   // heat of friction: force times way
   const double way = 0.5 * a * l.time * l.time;
-  EXPECT_NEAR(l.wall_friction, mu * l.mass * g * std::cos(b) * way, 0.02 * l.wall_friction);
+  EXPECT_NEAR(l.wall_friction, mu * l.mass * g * std::cos(b) * way, 0.03 * l.wall_friction);
   EXPECT_EQ(l.wall_work, 0);
   EXPECT_LT(std::abs(l.error()), 0.01 * l.turnover);
 }
@@ -154,7 +154,7 @@ TEST_P(OnAnIncline, ABlockSlidesByCoulombAndMomentumClosesInEveryOrderAndTransfe
   const double b = std::numbers::pi / 6, mu = 0.3, a = g * (std::sin(b) - mu * std::cos(b));
   Case what = incline(mu, b);
   for (Order order : {Order::usf, Order::musl})
-    for (Transfer transfer : {Transfer::flip_tau, Transfer::flip, Transfer::apic, Transfer::tpic}) {
+    for (Transfer transfer : {Transfer::xpic_tau, Transfer::flip_tau, Transfer::flip, Transfer::apic, Transfer::tpic}) {
       what.numerics.order = order;
       what.numerics.transfer = transfer;
       const auto loop = make_serial();
@@ -181,7 +181,8 @@ TEST_P(OnAnIncline, BelowTheAngleOfFrictionABlockStays) {
   // it leans by its elastic shear, on average rho g sin b H^2/(3 G) = 68 um, at most twice that
   EXPECT_NEAR(mean(s->observe(), "position", 0), x + 68e-6, 100e-6);  // without friction it would be 0.46 m
   expect_momentum_closes(s->ledger(), what.gravity);
-  EXPECT_LT(std::abs(s->ledger().momentum[0]), 0.01 * s->ledger().mass);
+  // and sways about that no faster than its first shear mode does: 68 um pi/2 sqrt(G/rho)/H = 12 mm/s
+  EXPECT_LT(std::abs(s->ledger().momentum[0]), 0.012 * s->ledger().mass);
 }
 
 TEST(Walls, ABlockThatIsPulledOffAWallLeavesItOnlyIfItMay) {

@@ -28,12 +28,40 @@ Vec<3> vector_of(const std::vector<double>& values) {
   return v;
 }
 
+/// The friction of the case's material on itself where a layer of it is sheared on and on; complains unless there is one.
+double friction_of_rough_wall(Section& s, std::string_view key, const std::vector<Material>& materials) {
+  double friction = 0;
+  for (const Material& m : materials) {
+    const double of_one = std::visit(
+        []<class Law>(const Law& law) {
+          if constexpr (HasCriticalFriction<Law>) return law.critical_friction();
+          return std::nan("");
+        },
+        m.law);
+    if (std::isnan(of_one))
+      s.complain(key, fmt::format("cannot be rough: the law of `{}` has no critical friction; write {{ kind = "
+                                  "\"friction\", friction = ... }}",
+                                  m.name));
+    else if (friction != 0 && of_one != friction)
+      s.complain(key, fmt::format("cannot be rough: materials differ in friction, {:.4g} and {:.4g}; write {{ kind = "
+                                  "\"friction\", friction = ... }}",
+                                  friction, of_one));
+    else
+      friction = of_one;
+  }
+  s.note(fmt::format("{}.friction", key), fmt::format("{:.4g}", friction), "critical friction of the material");
+  return friction;
+}
+
 /// Reads what a surface does to material: a word, or a table where it takes numbers.
-Wall read_wall(Section& s, const Option& option, std::span<const WallKind> kinds, bool smooth_separates) {
+Wall read_wall(Section& s, const Option& option, std::span<const WallKind> kinds, bool smooth_separates,
+               const std::vector<Material>& materials) {
   static constexpr std::string_view example = "write { kind = \"friction\", friction = 0.38 }";
   if (!s.is_table(option.key)) {
     const Wall wall(kinds[s.choice(option)], 0, smooth_separates);
     if (wall.kind == WallKind::friction) s.complain(option.key, fmt::format("lacks its coefficient; {}", example));
+    if (wall.kind == WallKind::rough)
+      return {WallKind::friction, friction_of_rough_wall(s, option.key, materials), true};
     return wall.kind == WallKind::slip ? wall : Wall(wall.kind);
   }
   Section t = s.section(option.key, option.meaning);
@@ -43,6 +71,7 @@ Wall read_wall(Section& s, const Option& option, std::span<const WallKind> kinds
         {"friction", "1", Range::not_negative(), "Coulomb's coefficient: tangent of the angle of wall friction"});
   else if (t.has("friction"))
     t.complain("friction", fmt::format("goes with kind `friction` only; {}", example));
+  if (wall.kind == WallKind::rough) wall = {WallKind::friction, friction_of_rough_wall(t, "kind", materials), true};
   if (wall.kind == WallKind::friction || wall.kind == WallKind::slip)
     wall.separates = t.flag("separates", wall.kind == WallKind::friction || smooth_separates,
                             "material may lift off; otherwise it is held");
@@ -85,19 +114,32 @@ void read_domain(Section& root, Case& what) {
                              axis_names[a], with_unit(length, "m"), cells,
                              with_unit(what.domain.min[a] + std::ceil(cells - 1e-6) * what.cell, "m")));
   }
-  static constexpr WallKind all_kinds[] = {WallKind::open, WallKind::slip, WallKind::no_slip, WallKind::friction,
-                                           WallKind::symmetry};
+  static constexpr WallKind all_kinds[] = {WallKind::open,  WallKind::slip,     WallKind::no_slip, WallKind::friction,
+                                           WallKind::rough, WallKind::symmetry, WallKind::periodic};
   Section walls = s.has("walls") ? s.section("walls", "what stands on the sides of the domain") : s;
   for (int side = 0; side < 2 * what.dim; ++side) {
     const std::string key = fmt::format("{}_{}", axis_names[side / 2], side % 2 == 0 ? "min" : "max");
     if (s.has("walls"))
-      what.walls[side] = read_wall(walls, {key, "wall on this side of the domain", wall_choices}, all_kinds, false);
+      what.walls[side] =
+          read_wall(walls, {key, "wall on this side of the domain", wall_choices}, all_kinds, false, what.materials);
     else
       s.note("walls." + key, "open", "wall on this side of the domain");
     if (what.walls[side].kind == WallKind::symmetry && what.gravity[side / 2] != 0)
       walls.complain(key, "cannot be a plane of symmetry: gravity goes through it");
   }
+  for (int a = 0; a < what.dim; ++a) {
+    const bool low = what.walls[2 * a].kind == WallKind::periodic,
+               high = what.walls[2 * a + 1].kind == WallKind::periodic;
+    if (low != high)
+      walls.complain(fmt::format("{}_{}", axis_names[a], low ? "min" : "max"),
+                     fmt::format("must have its like on the other side: `{}_{}` is not periodic", axis_names[a],
+                                 low ? "max" : "min"));
+    else if (low && what.n_cells[a] % periodic_multiple != 0)
+      s.complain("max", fmt::format("makes a period of {} cells along {}; it must be a multiple of {}", what.n_cells[a],
+                                    axis_names[a], periodic_multiple));
+  }
   if (what.axisymmetric) {
+    if (what.walls[0].kind == WallKind::periodic) walls.complain("x_min", "cannot be periodic: x is the radius");
     if (what.domain.min[0] < 0) s.complain("min", "must not be below 0 along x, which is the radius");
     if (what.domain.min[0] == 0 && what.walls[0].kind != WallKind::slip) {
       const std::string_view why =
@@ -461,9 +503,9 @@ void read_solids(Section& root, Case& what, const std::string& folder) {
   if (!root.has("solid")) return;
   for (auto& [name, s] : root.named_sections("solid", "rigid solids inside the domain")) {
     Solid solid{name, read_solid_shape(s, what), {}, {}};
-    solid.contact =
-        read_wall(s, {"contact", "what its surface does to material", contact_choices}, contact_kinds, true);
-    if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction"}));
+    solid.contact = read_wall(s, {"contact", "what its surface does to material", contact_choices}, contact_kinds, true,
+                              what.materials);
+    if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction", "rough"}));
     if (s.has("motion")) {
       Section m = s.section("motion", "how the solid moves; without it, it rests");
       solid.motion = read_motion(m, what, folder);
@@ -524,7 +566,7 @@ void read_numerics(Section& s, Case& what) {
         "transfer",
         "apic needs smoother shapes: hat functions hand the particles' moments to nodes that have next to no mass; "
         "use shape = \"quadratic\", or transfer = \"tpic\"");
-  if (n.transfer == Transfer::flip_tau) {
+  if (has_tau(n.transfer)) {
     const Parameter tau{"tau", "s", Range::positive(), "time in which velocity that the grid cannot hold decays"};
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const BodySpec& b : what.bodies) {
@@ -612,10 +654,10 @@ Case read(Document& document, const std::string& folder) {
   Case what;
   Section root = Section::root(document);
   what.title = root.text("title", "what the case is, in one line");
-  read_domain(root, what);
   Section numerics = root.has("numerics") ? root.section("numerics", "how the equations are solved")
                                           : Section::empty(root, "numerics");
   read_materials(root, numerics.is_text("preset", "paper"), what);
+  read_domain(root, what);
   read_bodies(root, what, folder);
   read_solids(root, what, folder);
   read_numerics(numerics, what);

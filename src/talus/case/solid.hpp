@@ -10,16 +10,22 @@
 
 namespace talus {
 
-enum class WallKind { open, slip, no_slip, friction, symmetry };
+enum class WallKind { open, slip, no_slip, friction, rough, symmetry, periodic };
 inline constexpr Choice wall_choices[] = {
     {"open", "no wall; a particle that leaves here stops the run"},
     {"slip", "smooth: nothing passes, nothing is held along the wall"},
-    {"no_slip", "rough: material at the wall sticks to it"},
+    {"no_slip", "material at the wall sticks to it"},
     {"friction", "Coulomb: held along the wall by `friction` times what presses on it, at most"},
+    {"rough", "`friction` with that of the material on itself, sheared on and on: a bed of the same grains"},
     {"symmetry", "plane of symmetry: smooth; a body may reach through it and is cut there"},
+    {"periodic", "what leaves here comes in at the opposite side, which is periodic too"},
 };
-inline constexpr Choice contact_choices[] = {wall_choices[1], wall_choices[2], wall_choices[3]};
-inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction};
+/// Whether there is nothing on such a side.
+constexpr bool is_passable(WallKind kind) { return kind == WallKind::open || kind == WallKind::periodic; }
+/// A period holds a multiple of so many cells.
+inline constexpr int periodic_multiple = 4;
+inline constexpr Choice contact_choices[] = {wall_choices[1], wall_choices[2], wall_choices[3], wall_choices[4]};
+inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction, WallKind::rough};
 
 /// What the surface of a wall or of a solid does to material that meets it.
 struct Wall {

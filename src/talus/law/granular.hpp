@@ -97,6 +97,7 @@ struct GranularOf {
     Simsand::impose_compression(state.frictional, x, p);
   }
 
+  double critical_friction() const { return frictional.critical_friction(); }
   Stiffening stiffening(double e) const { return frictional.stiffening(e); }
   double grain_density() const { return collisional.rho_s; }
   double earth_pressure_at_rest() const { return frictional.earth_pressure_at_rest(); }

@@ -136,6 +136,12 @@ concept StiffensFromNothing = requires(const Law& law) {
   { law.stiffening(0.5) } -> std::same_as<Stiffening>;
 };
 
+/// A law that knows the friction of a layer of its material that is sheared on and on.
+template <class Law>
+concept HasCriticalFriction = requires(const Law& law) {
+  { law.critical_friction() } -> std::same_as<double>;
+};
+
 /// Something that can be read off a state: written to snapshots, element tests and tables.
 struct Quantity {
   std::string_view name;

@@ -31,6 +31,21 @@ struct Domain {
   std::vector<Solid> solids{};
   bool axisymmetric = false;  ///< in 2D: the first axis is the radius [m]
 
+  bool is_periodic(int axis) const { return walls[2 * axis].kind == WallKind::periodic; }
+  /// Tiles along each axis after which they come round again; 0 where they do not.
+  Index<Dim> period() const {
+    Index<Dim> tiles{};
+    for (int a = 0; a < Dim; ++a)
+      if (is_periodic(a)) tiles[a] = n_cells[a] / tile_edge;
+    return tiles;
+  }
+  /// Where a place along a periodic axis is within the first period.
+  double in_first_period(double x, int axis) const {
+    const double length = h * n_cells[axis];
+    if (x < origin[axis]) x += length;
+    return x < origin[axis] + length ? x : x - length;
+  }
+
   /// A place in units of cells from the origin; for one point or for several at once.
   template <class Places>
   Places in_cells(Places x) const {
@@ -47,7 +62,7 @@ namespace detail {
 inline NodeValue wall_factors(WallKind wall, int axis, double vector) {
   NodeValue factors(1.0);
   for (int a = 0; a < 3; ++a)
-    if (wall == WallKind::no_slip || (wall != WallKind::open && a == axis)) factors.set(a, vector);
+    if (wall == WallKind::no_slip || (!is_passable(wall) && a == axis)) factors.set(a, vector);
   return factors;
 }
 
@@ -63,7 +78,7 @@ class Boundary {
   Boundary(const Domain<Dim>& domain, const GridType& grid) : domain_(domain) {
     for (int side = 0; side < 2 * Dim; ++side) {
       const Wall& wall = domain.walls[side];
-      if (wall.kind == WallKind::open) continue;
+      if (is_passable(wall.kind)) continue;
       const int axis = side / 2, n = domain.n_cells[axis];
       const bool low = side % 2 == 0;
       Mirror m{axis,

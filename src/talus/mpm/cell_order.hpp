@@ -47,6 +47,12 @@ void put_in_cell_order(std::vector<Body<Dim>>& bodies, const Domain<Dim>& domain
     return place;
   };
 
+  for (int a = 0; a < Dim; ++a)
+    if (domain.is_periodic(a))
+      for (auto& body : bodies)
+        for (int i = 0; i < body.particles.size(); ++i)
+          body.particles.position(a)[i] = domain.in_first_period(body.particles.position(a)[i], a);
+
   // Which tiles hold particles.
   std::vector<Index<Dim>> occupied;
   for (const auto& body : bodies)

@@ -22,6 +22,7 @@ struct NodeContact {
   Wall surface;
   Vec<3> normal;       ///< of unit length, out of the surface
   Vec<3> velocity{};   ///< of the surface [m/s]
+  bool holds = false;  ///< has taken something of the velocity that momentum brought
   double pressed = 0;  ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
   Vec<3> impulse{};    ///< given to the node when forces had acted [N s]
 };
@@ -122,7 +123,7 @@ class ContactFinder {
       for (int a = 0; a < Dim; ++a) {
         i[a] += Layout::unflatten(n, 3)[a] - 1;
         const int g = i[a] + tile_edge * grid.tile(t).place[a];
-        in_domain &= g >= 0 && g <= domain_.n_cells[a];
+        in_domain &= domain_.is_periodic(a) || (g >= 0 && g <= domain_.n_cells[a]);
         tile_offset[a] = i[a] < 0 ? -1 : i[a] >= tile_edge ? 1 : 0;
         i[a] -= tile_edge * tile_offset[a];
       }

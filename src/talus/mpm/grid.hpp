@@ -70,6 +70,9 @@ class Grid {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
+  /// `period`: tiles along each axis after which they come round again; 0 where they do not.
+  explicit Grid(const Index<Dim>& period = {}) : period_(period) {}
+
   int n_tiles() const { return int(tiles_.size()); }
   const Tile<Dim, Shape>& tile(int t) const { return tiles_[t]; }
 
@@ -111,6 +114,7 @@ class Grid {
   }
 
  private:
+  Index<Dim> period_;
   std::vector<Tile<Dim, Shape>> tiles_;
   std::vector<CellRange> cells_;
   std::vector<NodeValue> windows_, sums_, velocity_, new_velocity_, acceleration_;
@@ -170,8 +174,11 @@ void Grid<Dim, Shape>::arrange(const std::vector<Index<Dim>>& occupied, const st
     for (int a = 0; a < Dim; ++a) offset[a] -= 1;
     return offset;
   };
-  const auto moved = [](Index<Dim> place, const Index<Dim>& offset) {
-    for (int a = 0; a < Dim; ++a) place[a] += offset[a];
+  const auto moved = [this](Index<Dim> place, const Index<Dim>& offset) {
+    for (int a = 0; a < Dim; ++a) {
+      place[a] += offset[a];
+      if (period_[a] > 0) place[a] = (place[a] + period_[a]) % period_[a];
+    }
     return place;
   };
   for (int t = 0; t < n_occupied; ++t)

@@ -42,7 +42,8 @@ std::string surface_in_words(const Wall& surface) {
     case WallKind::friction:
       return fmt::format("friction {:.3g}{}", surface.friction, surface.separates ? "" : " and held");
     case WallKind::symmetry: return "plane of symmetry";
-    case WallKind::no_slip: return "rough";
+    case WallKind::no_slip: return "sticking";
+    case WallKind::periodic: return "periodic";
     default: return surface.separates ? "smooth, lets go" : "smooth";
   }
 }
@@ -228,7 +229,7 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
   if (depends_on_step(what.numerics))
     warnings.push_back(fmt::format(
         "The result depends on the time step by construction: {} drops a share of the particles' velocity every step, "
-        "however short it is. Use transfer = \"flip_tau\", or compare runs with different `cfl`.",
+        "however short it is. Use transfer = \"xpic_tau\", or compare runs with different `cfl`.",
         what.numerics.transfer == Transfer::flip ? fmt::format("`flip_share` = {:.4g}", what.numerics.flip_share)
                                                  : fmt::format("transfer = \"{}\"", word_of(what.numerics.transfer))));
   if (energy > 0 && std::abs(l.error()) > most_missed * energy)
