@@ -98,27 +98,31 @@ TEST(Simulation, AnElasticBarBetweenSmoothWallsSwingsWithItsPeriod) {
 TEST(Simulation, TwoElasticDisksBounceAndKeepTheirEnergy) {
   // Sulsky, Chen and Schreyer 1994: E = 1000, nu = 0.3, rho = 1000, radius 0.2, speed 0.1 sqrt(2) towards each other
   Case what = block(2, rubber(1000, 0.3), 1000);
-  what.domain = {{0, 0, 0}, {1, 1, 0}};
+  what.domain = {{-0.1, -0.1, 0}, {1.1, 1.1, 0}};
   what.cell = 0.05;
-  what.n_cells = {20, 20, 0};
+  what.n_cells = {24, 24, 0};
   what.gravity = {};
   BodySpec disk = what.bodies[0];
   disk.spacing = 0.025;
-  disk.region = Cylinder{{0.25, 0.25, 0}, 0.2, 0};
+  disk.region = Cylinder{{0.2, 0.2, 0}, 0.2, 0};
   disk.velocity = {0.1, 0.1, 0};
   what.bodies = {disk, disk};
-  what.bodies[1].region = Cylinder{{0.75, 0.75, 0}, 0.2, 0};
+  what.bodies[1].region = Cylinder{{0.8, 0.8, 0}, 0.2, 0};
   what.bodies[1].velocity = {-0.1, -0.1, 0};
   what.numerics.transfer = Transfer::flip;
   what.numerics.average_pressure = false;
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
   const double kinetic = s->ledger().kinetic;
-  double least = kinetic;
-  while (s->ledger().time < 3.4) {
+  double least = kinetic, contact = 0;
+  while (s->ledger().time < 3.9) {
     s->step();
+    if (contact == 0 && s->ledger().elastic > 1e-3 * kinetic) contact = s->ledger().time;
     least = std::min(least, s->ledger().kinetic);
   }
+  // They touch after (0.6 sqrt 2 - 0.4)/(0.2 sqrt 2) = 1.586 s, on the grid when they come within two cells.
+  EXPECT_LT(contact, 1.586);
+  EXPECT_GT(contact, 1.586 - 2 * what.cell / (0.2 * std::sqrt(2)));
   EXPECT_LT(least, 0.5 * kinetic);                  // they did press each other
   EXPECT_GT(s->ledger().kinetic, 0.93 * kinetic);   // and parted
   EXPECT_LT(s->ledger().kinetic, 1.001 * kinetic);  // without a gift

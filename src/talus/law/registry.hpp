@@ -6,6 +6,7 @@
 #include "talus/law/drucker_prager.hpp"
 #include "talus/law/granular.hpp"
 #include "talus/law/linear_elastic.hpp"
+#include "talus/law/local_mu_i.hpp"
 #include "talus/law/mohr_coulomb.hpp"
 #include "talus/law/newtonian_fluid.hpp"
 #include "talus/law/simsand_appendix_a.hpp"
@@ -23,7 +24,7 @@ struct LawList {
   }
 };
 
-using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LinearElastic,
+using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LocalMuI, LinearElastic,
                      NewtonianFluid, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
