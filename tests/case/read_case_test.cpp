@@ -331,6 +331,10 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect("{ kind = \"slip\", separates = 1 }", "neither true nor false");
   expect("{ kind = \"sticky\" }", "must be `open`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
   expect("{ kind = \"rough\", friction = 0.3 }", "goes with kind `friction` only");
+  expect(
+      "\"rough\"\n[material.water]\nlaw = \"newtonian_fluid\"\nK = \"1 MPa\"\neta = \"0 Pa s\"\ndensity = \"1000 "
+      "kg/m3\"",
+      "cannot be rough: the law of `water` has no critical friction");
   expect("\"periodic\"", "must have its like on the other side: `y_max` is not periodic");
   expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
          "must have its like on the other side: `x_max` is not periodic");

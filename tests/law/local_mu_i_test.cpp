@@ -79,7 +79,8 @@ TEST(LocalMuI, TheReturnSolvesItsEquationWhateverTheStep) {
     const double I = law.inertial_number((trial - tau) / (G * dt), p);
     // trial - tau is known to the rounding of trial
     const double known = 1e-14 * trial / (G * dt) * law.d / std::sqrt(p / law.rho_s);
-    ASSERT_NEAR(law.friction(I), tau / p, 1e-9 + (law.mu_d - law.mu_s) / law.I_0 * known) << trial << " " << p << " " << dt;
+    ASSERT_NEAR(law.friction(I), tau / p, 1e-9 + (law.mu_d - law.mu_s) / law.I_0 * known)
+        << trial << " " << p << " " << dt;
   }
 }
 

@@ -39,7 +39,7 @@ double friction_of_rough_wall(Section& s, std::string_view key, const std::vecto
         },
         m.law);
     if (std::isnan(of_one))
-      s.complain(key, fmt::format("cannot be rough: the law of `{}` has no critical friction; write {{ kind = "
+      s.complain(key, fmt::format("cannot be rough: the law of `{}` has no critical friction; use no_slip or {{ kind = "
                                   "\"friction\", friction = ... }}",
                                   m.name));
     else if (friction != 0 && of_one != friction)

@@ -79,7 +79,6 @@ struct LocalMuI : CohesiveFriction {
     return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, tau * shear, zero};
   }
 
-  double critical_friction() const { return mu_s; }
   /// Horizontal over vertical stress at rest: Jaky 1944 with phi = atan mu_s.
   double earth_pressure_at_rest() const { return 1 - std::sin(phi); }
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {
@@ -123,9 +122,10 @@ inline std::span<const QuantityOf<LocalMuI>> LocalMuI::quantities() {
     all.push_back({{"I", "1", 1, "inertial number"}, [](const LocalMuI& l, const S& s, const D& rate, double* v) {
                      *v = l.inertial_number_at(s, rate);
                    }});
-    all.push_back({{"mu", "1", 1, "friction at that number"}, [](const LocalMuI& l, const S& s, const D& rate, double* v) {
-                     *v = l.friction(l.inertial_number_at(s, rate));
-                   }});
+    all.push_back(
+        {{"mu", "1", 1, "friction at that number"}, [](const LocalMuI& l, const S& s, const D& rate, double* v) {
+           *v = l.friction(l.inertial_number_at(s, rate));
+         }});
     return all;
   }();
   return table;
