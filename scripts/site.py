@@ -1,0 +1,181 @@
+#!/usr/bin/python3
+"""Builds the site from docs/ and what stands beside it: `./dev docs`.
+
+    scripts/site.py TALUS FOLDER
+
+FOLDER/site is the site. Pages are docs/**.md, and the README.md of validation/, its folders and benchmarks/. Other
+files that they link to are put into the site as text. TALUS tells the tables of docs/reference.md; figures come from
+out/reproduce, as `talus reproduce all` leaves it.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+root = pathlib.Path(__file__).resolve().parent.parent
+talus, folder = (pathlib.Path(a).resolve() for a in sys.argv[1:])
+source, site = folder / "site_source", folder / "site"
+katex = pathlib.Path("/usr/share/javascript/katex")
+link = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
+
+
+def pages():
+    """The pages, as paths from the root."""
+    found = [*(root / "docs").rglob("*.md"), *(root / "validation").rglob("README.md"), root / "benchmarks/README.md"]
+    return sorted(p.relative_to(root) for p in found)
+
+
+def place_of(path):
+    """Where a file of the repository stands in the site; none if it is not a page or a picture of docs/."""
+    if path.parts[0] == "docs":
+        return pathlib.Path(*path.parts[1:])
+    return path if path in pages() else None
+
+
+def rewritten(text, page):
+    """A page's text with links that hold in the site. Files that are no pages are copied there as text."""
+    here = place_of(page).parent
+
+    def mend(found):
+        before, target, after = found.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return found.group()
+        target, _, anchor = target.partition("#")
+        path = pathlib.Path(os.path.normpath(page.parent / target))
+        place = place_of(path)
+        if place is None and (root / path).is_dir():
+            return before + "#" + after  # a folder: its name says enough
+        if place is None:
+            place = pathlib.Path("files") / (str(path) + ".txt")
+            (source / place).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(root / path, source / place)
+        return before + os.path.relpath(place, here) + ("#" + anchor if anchor else "") + after
+
+    parts = re.split(r"(^```.*?^```)", text, flags=re.M | re.S)  # code stays as it is
+    return "".join(p if p.startswith("```") else link.sub(mend, p) for p in parts)
+
+
+def figures():
+    """A page of the remade figures, or how to make them."""
+    made = root / "out/reproduce"
+    text = ["# Figures", ""]
+    if not (made / "index.html").exists():
+        return "\n".join(text + [
+            "They were not made when this site was built. `talus reproduce all` makes them, then `./dev docs` shows them here."])
+    shutil.copytree(made, source / "validation/reproduced",
+                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".talus", ".series"))])
+    text += ["Remade by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
+    for folder in sorted((root / "validation").iterdir()):
+        page = made / folder.name / "index.html"
+        if not (folder / "figure.toml").exists() or not page.exists():
+            continue
+        figure = tomllib.loads((folder / "figure.toml").read_text())
+        text += [f"## {figure['title']}", "", f"{figure.get('source', '')}. [Curves and verdicts](reproduced/{folder.name}/index.html).", ""]
+        for panel in figure.get("panel", []):
+            picture = made / folder.name / (panel["name"] + ".svg")
+            if picture.exists():
+                text += [f"![{panel['name']}](reproduced/{folder.name}/{picture.name})", ""]
+    return "\n".join(text)
+
+
+def takes(value):
+    """What a key takes, in a few words."""
+    if "anyOf" in value:
+        return " or ".join(dict.fromkeys(takes(v) for v in value["anyOf"]))
+    if "oneOf" in value:
+        return ", ".join(f"`{w['const']}`" for w in value["oneOf"])
+    if "enum" in value:
+        return ", ".join(f"`{w}`" for w in value["enum"])
+    kind = value.get("type", "")
+    if kind == "array":
+        n = value.get("minItems", 0) if value.get("minItems") == value.get("maxItems") else 0
+        return f"list of {str(n) + ' x ' if n > 1 else ''}{takes(value['items'])}"
+    if "properties" in value:
+        return "table"
+    if kind == "string":
+        return "text with unit" if "pattern" in value else "text"
+    return {"number": "number", "integer": "whole number", "boolean": "`true`, `false`"}.get(kind, "")
+
+
+def meaning(value):
+    if "anyOf" in value:
+        return "<br>".join(dict.fromkeys(m for v in value["anyOf"] if (m := meaning(v))))
+    words = [f"`{w['const']}`: {w['description']}" for w in value.get("oneOf", []) if w.get("description")]
+    return "<br>".join([value.get("description", ""), *words])
+
+
+def table_of(values, required):
+    rows = [f"| `{key}`{'' if key in required else ' (may be left out)'} | {takes(value)} | {meaning(value)} |".replace("\n", " ")
+            for key, value in values.items()]
+    return ["| key | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
+
+
+def inner_of(path, key, value):
+    """The section that a key holds, and what to call it; none if it holds none."""
+    for way in [value, *value.get("anyOf", [])]:
+        if "properties" in way:
+            return f"{path}{key}", way
+        if "properties" in way.get("items", {}):
+            return f"[{path}{key}]", way["items"]
+        if "properties" in (more if isinstance(more := way.get("additionalProperties"), dict) else {}):
+            return f"{path}{key}.NAME", more
+    return None
+
+
+def section(name, schema, depth):
+    """Tables of a section, then of those inside it."""
+    required = schema.get("required", [])
+    own = {k: v for k, v in schema["properties"].items() if not (inner := inner_of("", k, v)) or "anyOf" in v}
+    text = [f"{'#' * depth} `[{name}]`" if name else "", ""] + table_of(own, required)
+    for branch in schema.get("allOf", []):
+        (key, value), = branch["if"]["properties"].items()
+        then = branch["then"]
+        more = {k: v for k, v in then.get("properties", {}).items() if v is not False}
+        if more:
+            text += [f"With `{key} = \"{value['const']}\"`", "", *table_of(more, then.get("required", []))]
+    for key, value in schema["properties"].items():
+        if inner := inner_of(f"{name}." if name else "", key, value):
+            text += section(*inner, min(depth + 1, 4) if name else depth)
+    return text
+
+
+def tables():
+    """The tables of docs/reference.md, from what the readers of talus say they take."""
+    schema = json.loads(subprocess.run([talus, "schema"], check=True, capture_output=True, text=True).stdout)
+    text = []
+    for kind in schema["anyOf"]:
+        text += ["", f"## {kind['title'].capitalize()}", "", *section("", kind, 3)]
+    listed = subprocess.run([talus, "list"], check=True, capture_output=True, text=True).stdout
+    text += ["", "## Quantities, choices and what laws tell", "", "What `talus list` prints.", "", "```text", listed.rstrip(), "```", ""]
+    return "\n".join(text)
+
+
+def main():
+    shutil.rmtree(source, ignore_errors=True)
+    for page in pages():
+        place = source / place_of(page)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(rewritten((root / page).read_text(), page))
+    shutil.copytree(root / "docs/images", source / "images")
+    for part in ("site.js", "site.css"):
+        shutil.copyfile(root / "docs/site" / part, source / part)
+    shutil.copyfile(root / "docs/site/mkdocs.yml", folder / "mkdocs.yml")
+    for part in ("katex.min.css", "katex.min.js", "contrib/auto-render.js"):
+        (source / "katex" / part).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(katex / part, source / "katex" / part)
+    shutil.copytree(katex / "fonts", source / "katex/fonts")
+    reference = source / "reference.md"
+    reference.write_text(reference.read_text() + tables())
+    (source / "validation/figures.md").write_text(figures())
+    subprocess.run(["/usr/bin/mkdocs", "build", "--quiet", "--strict", "--clean"], cwd=folder, check=True)
+    (site / "404.html").unlink()  # for servers only; its links begin with /
+    print(site / "index.html")
+
+
+if __name__ == "__main__":
+    main()
