@@ -76,10 +76,8 @@ def figures():
             continue
         figure = tomllib.loads((folder / "figure.toml").read_text())
         text += [f"## {figure['title']}", "", f"{figure.get('source', '')}. [Curves and verdicts](reproduced/{folder.name}/index.html).", ""]
-        for panel in figure.get("panel", []):
-            picture = made / folder.name / (panel["name"] + ".svg")
-            if picture.exists():
-                text += [f"![{panel['name']}](reproduced/{folder.name}/{picture.name})", ""]
+        pictures = [f"reproduced/{folder.name}/{panel['name']}.svg" for panel in figure.get("panel", [])]
+        text += [" ".join(f"![]({p})" for p in pictures if (source / "validation" / p).exists()), ""]
     return "\n".join(text)
 
 

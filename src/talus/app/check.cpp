@@ -107,7 +107,7 @@ int check_case(const std::string& case_file, int threads) {
       steps = what.end / *what.numerics.dt;
       how = fmt::format("{:.0f}, as the case fixes their length", steps);
     } else {
-      const Rehearsal rehearsal = rehearse(what, *loop, what.end / first * per_step, 2);
+      const Rehearsal rehearsal = rehearse(what, *loop, what.end / first * per_step, 1);
       steps = rehearsal.steps;
       how = fmt::format("about {:.3g}, by a run on cells {} until {:.3g} s", steps,
                         rehearsal.coarser == 1 ? "of this size" : fmt::format("{} times coarser", rehearsal.coarser),

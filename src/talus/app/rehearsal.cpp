@@ -15,8 +15,11 @@ namespace {
 /// Whether a case keeps its shape on cells `f` times coarser.
 bool can_be_coarser(const Case& what, int f) {
   constexpr double close = 1 - 1e-9;
-  for (int a = 0; a < what.dim; ++a)  // a wall must stay where it is
-    if (what.n_cells[a] % f != 0 && what.walls[2 * a + 1].kind != WallKind::open) return false;
+  for (int a = 0; a < what.dim; ++a) {  // a wall must stay where it is
+    const WallKind wall = what.walls[2 * a + 1].kind;
+    const int multiple = wall == WallKind::periodic ? f * periodic_multiple : f;
+    if (what.n_cells[a] % multiple != 0 && wall != WallKind::open) return false;
+  }
   for (const Solid& s : what.solids)
     if (const double thin = thickness(s.shape, what.dim); thin > 0 && thin < f * what.cell * close) return false;
   for (const BodySpec& b : what.bodies) {
