@@ -107,38 +107,51 @@ def meaning(value):
     return "<br>".join([value.get("description", ""), *words])
 
 
+def cell(text):
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
 def table_of(values, required):
-    rows = [f"| `{key}`{'' if key in required else ' (may be left out)'} | {takes(value)} | {meaning(value)} |".replace("\n", " ")
-            for key, value in values.items()]
+    rows = [f"| `{key}`{'' if key in required else ' (may be left out)'} | {takes(value)} | {cell(meaning(value))} |"
+            for key, value in values.items() if takes(value) or meaning(value)]
     return ["| key | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
 
 
-def inner_of(path, key, value):
-    """The section that a key holds, and what to call it; none if it holds none."""
+def inner_of(value):
+    """The section that a key holds, and how its name goes on; none if it holds none."""
     for way in [value, *value.get("anyOf", [])]:
+        more = way.get("additionalProperties")
         if "properties" in way:
-            return f"{path}{key}", way
+            return "", way
         if "properties" in way.get("items", {}):
-            return f"[{path}{key}]", way["items"]
-        if "properties" in (more if isinstance(more := way.get("additionalProperties"), dict) else {}):
-            return f"{path}{key}.NAME", more
+            return "[0]", way["items"]
+        if isinstance(more, dict) and "properties" in more:
+            return ".NAME", more
     return None
 
 
 def section(name, schema, depth):
     """Tables of a section, then of those inside it."""
-    required = schema.get("required", [])
-    own = {k: v for k, v in schema["properties"].items() if not (inner := inner_of("", k, v)) or "anyOf" in v}
-    text = [f"{'#' * depth} `[{name}]`" if name else "", ""] + table_of(own, required)
-    for branch in schema.get("allOf", []):
-        (key, value), = branch["if"]["properties"].items()
-        then = branch["then"]
-        more = {k: v for k, v in then.get("properties", {}).items() if v is not False}
-        if more:
-            text += [f"With `{key} = \"{value['const']}\"`", "", *table_of(more, then.get("required", []))]
-    for key, value in schema["properties"].items():
-        if inner := inner_of(f"{name}." if name else "", key, value):
-            text += section(*inner, min(depth + 1, 4) if name else depth)
+    keys, required = schema["properties"], schema.get("required", [])
+    own = {k: v for k, v in keys.items() if not inner_of(v) or "anyOf" in v}
+    branches = [(*next(iter(b["if"]["properties"].items())), b["then"]) for b in schema.get("allOf", [])]
+    of_some = [k for k in own if any(then.get("properties", {}).get(k) is False for *_, then in branches)]
+    shown = f"[[{name[:-3]}]]" if name.endswith("[0]") else f"[{name.replace('[0]', '')}]"
+    text = [f"{'#' * depth} `{shown}`" if name else "", ""]
+    text += table_of({k: v for k, v in own.items() if k not in of_some}, required)
+    for key, value, then in branches:  # what only some of the choices take
+        here = {k: then.get("properties", {}).get(k, own[k]) for k in of_some}
+        table = table_of({k: v for k, v in here.items() if v is not False}, required + then.get("required", []))
+        if table:
+            text += [f"With `{key} = \"{value['const']}\"`:", "", *table]
+    parts = {}  # sections that say the same are told once
+    for key, value in keys.items():
+        if inner := inner_of(value):
+            path = (f"{name}." if name else "") + key + inner[0]
+            heading, *rest = section(path, inner[1], min(depth + 1, 4) if name else depth)
+            parts.setdefault("\n".join(rest).replace(path, ""), (heading, rest, []))[2].append(key)
+    for heading, rest, (_, *others) in parts.values():
+        text += [heading, "", *(["The same for " + ", ".join(f"`{k}`" for k in others) + ".", ""] if others else []), *rest]
     return text
 
 

@@ -140,6 +140,7 @@ TEST_F(Program, ACollapsedTimeStepNamesTheParticleThatIsFastest) {
   for (const char* part : {"the time step has collapsed to", "particle ", "of body `block`", "position",
                            "To see it break again\n", "/stiff --resume"})
     EXPECT_TRUE(has(run.output, part)) << part << "\n" << run.output;
+  EXPECT_FALSE(has(run.output, "Before that step")) << "it has not changed";
 }
 
 TEST_F(Program, CheckSaysWhatWasUnderstoodAndWhatItWillTake) {

@@ -35,18 +35,18 @@ def pages():
 
 
 def directives(comments):
-    found = {}
+    found = {"shortened:": []}
     for text in re.findall(r"<!--\s*(.*?)\s*-->", comments):
         name = next((n for n in ("not run:", "run with:", "shortened:", "exits with", "file:") if text.startswith(n)), None)
         if name is None:
             raise ValueError(f"<!-- {text} --> is no word to the tests")
-        found[name] = text[len(name):].strip()
+        told = text[len(name):].strip()
+        found[name] = found[name] + [told] if name == "shortened:" else told
     return found
 
 
 def shortened(commands, said):
-    if "shortened:" in said:
-        this, that = said["shortened:"].split(" -> ")
+    for this, that in (told.split(" -> ") for told in said["shortened:"]):
         if this not in commands:
             raise ValueError(f"`{this}` is not in the block that it is to shorten")
         commands = commands.replace(this, that)

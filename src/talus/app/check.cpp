@@ -58,13 +58,22 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
   const Observation seen = simulation.observe();
   write_snapshot(folder / "particles.hdf", seen, what.output.fields);
   times.snapshot = of_snapshot.seconds();
-  PictureBook pictures(folder / "pictures", what);
-  for (std::size_t i = 0; i < what.output.pictures.size(); ++i) pictures.add(seen);
   history.add(simulation.ledger(), outlines.find(simulation.places().places));  // a curve has two points at least
-  const Clock of_end;
-  if (!pictures.draw().empty())
-    for (const Chart& chart : charts_of(history)) draw_chart(folder / "pictures", folder / "history.csv", chart);
-  times.end = of_end.seconds();
+  PictureBook pictures(folder / "pictures", what);
+  const auto draw_one_more = [&] {
+    pictures.add(seen);
+    const Clock clock;
+    pictures.draw();
+    return clock.seconds();
+  };
+  if (const std::size_t n = what.output.pictures.size(); n > 0) {  // the first instant brings gnuplot's start with it
+    const double one = draw_one_more(), two = draw_one_more();
+    times.end = one + std::max(0.0, two - one) * double(n - 1);
+  }
+  const Clock of_charts;
+  for (const Chart& chart : charts_of(history))
+    if (!draw_chart(folder / "pictures", folder / "history.csv", chart)) break;
+  times.end += of_charts.seconds();
   fs::remove_all(folder);
   return times;
 }

@@ -23,7 +23,8 @@ std::string seen_again(Simulation& simulation, const Failure& failure) {
       simulation.step();
     }
   } catch (const RunError&) {
-    return before.empty() ? "" : "Before that step it was\n" + before;
+    const bool new_to_the_user = failure.text.find(before) == failure.text.npos;
+    return new_to_the_user ? "Before that step it was\n" + before : "";
   }
   return "On a second run through these steps it did not break, though the same steps give the same bits: suspect the "
          "machine (memory, overclocking).\n";

@@ -11,7 +11,8 @@ namespace talus {
 
 /// Where a run broke.
 struct Failure {
-  long step = 0;  ///< how many steps were whole
+  std::string text;  ///< what was said of it
+  long step = 0;     ///< how many steps were whole
   double time = 0;
   std::optional<long> particle;  ///< where it showed
 };

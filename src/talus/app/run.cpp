@@ -126,7 +126,7 @@ int run_case(const RunOptions& options) {
     if (is_at_end()) record_instant(true);
     snapshots.finish();
   } catch (const RunError& e) {
-    failure = Failure{simulation->ledger().step, simulation->ledger().time, e.particle()};
+    failure = Failure{e.what(), simulation->ledger().step, simulation->ledger().time, e.particle()};
     snapshots.finish();
     write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
     run.failure =
