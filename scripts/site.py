@@ -112,8 +112,12 @@ def cell(text):
 
 
 def table_of(values, required):
-    rows = [f"| `{key}`{'' if key in required else ' (may be left out)'} | {takes(value)} | {cell(meaning(value))} |"
-            for key, value in values.items() if takes(value) or meaning(value)]
+    alike = {}  # keys of which the same is to be said share a row
+    for key, value in values.items():
+        if takes(value) or meaning(value):
+            alike.setdefault((takes(value), cell(meaning(value)), key in required), []).append(f"`{key}`")
+    rows = [f"| {', '.join(keys)}{'' if needed else ' (may be left out)'} | {what} | {means} |"
+            for (what, means, needed), keys in alike.items()]
     return ["| key | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
 
 
