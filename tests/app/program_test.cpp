@@ -108,12 +108,52 @@ TEST_F(Program, ARunThatBreaksEndsWithCode3AndLeavesTheLastGoodSnapshot) {
   EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["outcome"], "failed");
 }
 
+TEST_F(Program, ARunThatBreaksLeavesACaseThatBreaksInTheSameWayStepByStep) {
+  std::string text = contents(cases + "free_fall.toml");
+  text.replace(text.find("end = \"0.3 s\""), 13, "end = \"1 s\"");
+  const Finished run = talus("run " + write("falls_out.toml", text) + " --out " + in("out"));
+  EXPECT_EQ(run.code, 3);
+  EXPECT_TRUE(has(run.output, "Before that step it was\n  particle ")) << run.output;
+  const std::string before_command = "with a snapshot of each of its last 11 steps\n  ";
+  ASSERT_TRUE(has(run.output, before_command)) << run.output;
+  EXPECT_TRUE(has(contents(folder_ / "out/report.html"), "To see it break again"));
+  std::string command = run.output.substr(run.output.rfind(before_command) + before_command.size());
+  command.resize(command.find('\n'));
+  EXPECT_TRUE(has(command, " run " + in("out/failure") + " --resume")) << command;
+  const Finished again = talus(command.substr(command.find(" run ")));
+  EXPECT_EQ(again.code, 3);
+  const auto message = [](const std::string& output) {  // particle, place, time and state, to the last printed digit
+    const auto from = output.find("talus: a particle has left the domain");
+    return output.substr(from, output.find("The last good snapshot") - from);
+  };
+  EXPECT_EQ(message(again.output), message(run.output));
+  EXPECT_TRUE(fs::exists(folder_ / "out/failure/particles_0010.hdf"));   // before the first of the steps ... the last
+  EXPECT_FALSE(fs::exists(folder_ / "out/failure/particles_0011.hdf"));  // which broke
+  EXPECT_FALSE(fs::exists(folder_ / "out/failure/failure"));
+}
+
+TEST_F(Program, ACollapsedTimeStepNamesTheParticleThatIsFastest) {
+  std::string text = contents(cases + "free_fall.toml");
+  text.replace(text.find("E = \"1 MPa\""), 11, "E = \"1e30 Pa\"");
+  const Finished run = talus("run " + write("stiff.toml", text) + " --out " + in("stiff"));
+  EXPECT_EQ(run.code, 3);
+  for (const char* part : {"the time step has collapsed to", "particle ", "of body `block`", "position",
+                           "To see it break again\n", "/stiff --resume"})
+    EXPECT_TRUE(has(run.output, part)) << part << "\n" << run.output;
+  EXPECT_FALSE(has(run.output, "Before that step")) << "it has not changed";
+}
+
 TEST_F(Program, CheckSaysWhatWasUnderstoodAndWhatItWillTake) {
   const Finished check = talus("check " + cases + "elastic_bar.toml");
   EXPECT_EQ(check.code, 0);
   for (const char* part : {"material.rubber.E", "10000 kPa", "[default]", "particles           320", "cells",
                            "first stable step", "expected steps", "memory", "expected duration"})
     EXPECT_TRUE(has(check.output, part)) << part << "\n" << check.output;
+  // It is over within the second for which check tries it, so the number of steps is no guess.
+  const Finished run = talus("run " + cases + "elastic_bar.toml --out " + in("bar"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  const auto steps = nlohmann::json::parse(contents(folder_ / "bar/record.json"))["run"]["steps"].get<long>();
+  EXPECT_TRUE(has(check.output, "expected steps      " + std::to_string(steps))) << check.output;
 }
 
 TEST_F(Program, AScaledStiffnessIsSaidWhereverARunIsSpokenOf) {

@@ -52,7 +52,7 @@ int talus_program(int argc, char** argv) {
   std::string check_file;
   int check_threads = 0;
   CLI::App* check_command =
-      app.add_subcommand("check", "say what a case was understood to be and how long it would take; run nothing");
+      app.add_subcommand("check", "say what a case was understood to be and how long it would take; write nothing");
   check_command->add_option("CASE", check_file, "case file (TOML)")->required();
   check_command->add_option("--threads", check_threads, "threads [all processors]")->check(CLI::Range(1, 4096));
 

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "talus/app/commands.hpp"
+#include "talus/app/failure.hpp"
 #include "talus/app/interrupt.hpp"
 #include "talus/app/progress.hpp"
 #include "talus/app/task.hpp"
@@ -27,7 +28,7 @@ int run_case(const RunOptions& options) {
   std::erase_if(what.output.pictures, [&](double t) { return t > what.end; });
 
   const auto loop = make_openmp(options.threads);
-  const auto simulation = make_simulation(what, *loop);
+  auto simulation = make_simulation(what, *loop);
   RunSummary run;
   run.case_file = task.case_file;
   run.case_text = task.case_text;
@@ -43,6 +44,7 @@ int run_case(const RunOptions& options) {
     task.saved->restore(*simulation);
     task.saved->state.clear();                // as large as the particles
     fs::remove(task.folder / "failure.hdf");  // is written again if the run breaks again
+    fs::remove_all(task.folder / "failure");
     if (so_far.time < what.end) so_far.resumed_at.push_back(so_far.time);
   } else {
     take_over(task, options);
@@ -53,7 +55,7 @@ int run_case(const RunOptions& options) {
   }
   so_far.end = what.end;
   const fs::path& folder = task.folder;
-  const std::string how_to_go_on = command_to_resume(folder, options.threads);
+  const auto how_to_go_on = [&] { return command_to_resume(task, folder, options.threads); };
   Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
   if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
   History history(folder / "history.csv", what.dim, what.axisymmetric, so_far.history_bytes);
@@ -108,6 +110,7 @@ int run_case(const RunOptions& options) {
              run.n_threads == 1 ? "" : "s", folder.string());
   if (task.saved) fmt::print(stderr, "goes on from {}\n", checkpoints.last());
   std::optional<Interrupt> interrupt(std::in_place);
+  std::optional<Failure> failure;
   try {
     for (;;) {
       record_instant(false);
@@ -123,6 +126,7 @@ int run_case(const RunOptions& options) {
     if (is_at_end()) record_instant(true);
     snapshots.finish();
   } catch (const RunError& e) {
+    failure = Failure{e.what(), simulation->ledger().step, simulation->ledger().time, e.particle()};
     snapshots.finish();
     write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
     run.failure =
@@ -132,7 +136,7 @@ int run_case(const RunOptions& options) {
     throw std::runtime_error(
         fmt::format("{}\nThe run has stopped at t = {:.6g} s. Its last checkpoint is {}. Once this "
                     "is mended, go on with\n  {}",
-                    e.what(), simulation->ledger().time, checkpoints.last(), how_to_go_on));
+                    e.what(), simulation->ledger().time, checkpoints.last(), how_to_go_on()));
   }
   const int signal = interrupt->signal();
   interrupt.reset();
@@ -149,9 +153,18 @@ int run_case(const RunOptions& options) {
   run.warnings = warnings_of(what, run);
 
   write_record(folder / "record.json", run);
+  if (failure) {
+    simulation.reset();  // as large as the one to come
+    try {
+      run.failure += "\n" + leave_a_reproducer(task, what, *loop, options.threads, *failure);
+    } catch (const std::exception& e) {  // the break is what matters
+      run.failure += fmt::format("\nNothing could be left that shows it again: {}", e.what());
+    }
+    write_record(folder / "record.json", run);
+  }
   if (run.stopped) {
     fmt::print(stderr, "stopped by {}; the checkpoint is {}. Go on with\n  {}\n",
-               signal == SIGINT ? "Ctrl-C" : "SIGTERM", checkpoints.last(), how_to_go_on);
+               signal == SIGINT ? "Ctrl-C" : "SIGTERM", checkpoints.last(), how_to_go_on());
     return exit_signal + signal;
   }
   const std::vector<Picture> drawn = pictures.draw();

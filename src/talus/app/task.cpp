@@ -9,16 +9,35 @@ namespace talus {
 
 namespace fs = std::filesystem;
 
-std::string command_to_resume(const fs::path& folder, int threads) {
-  const auto quoted = [](const std::string& word) {
-    constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
-    if (word.find_first_not_of(plain) == word.npos) return word;
-    std::string text = "'";
-    for (char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
-    return text + "'";
-  };
-  return fmt::format("{} run {} --resume{}", quoted(program_invocation_name), quoted(folder.string()),
+namespace {
+
+/// A word as a shell takes it.
+std::string quoted(const std::string& word) {
+  constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
+  if (word.find_first_not_of(plain) == word.npos) return word;
+  std::string text = "'";
+  for (char c : word) text += c == '\'' ? "'\\''" : std::string(1, c);
+  return text + "'";
+}
+
+std::string command(const std::string& what_to_run, int threads) {
+  return fmt::format("{} run {}{}", quoted(program_invocation_name), what_to_run,
                      threads > 0 ? fmt::format(" --threads {}", threads) : "");
+}
+
+}  // namespace
+
+std::string command_to_resume(const fs::path& folder, int threads) {
+  return command(quoted(folder.string()) + " --resume", threads);
+}
+
+std::string command_to_resume(const Task& task, const fs::path& folder, int threads) {
+  try {
+    read_case_text((folder / "case.toml").string(), task.case_text);
+    return command_to_resume(folder, threads);
+  } catch (const InputError&) {
+    return command(quoted(task.case_file) + " --resume --out " + quoted(folder.string()), threads);
+  }
 }
 
 namespace {
@@ -112,6 +131,7 @@ void take_over(Task& task, const RunOptions& options) {
   for (const char* name :
        {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "failure.hdf", "record.json", "report.html"})
     fs::remove(task.folder / name);
+  fs::remove_all(task.folder / "failure");
   write_whole(task.folder / "case.toml", task.case_text);
 }
 

@@ -32,5 +32,7 @@ void take_over(Task& task, const RunOptions& options);
 
 /// The command that goes on with a run, as it can be pasted into a shell.
 std::string command_to_resume(const std::filesystem::path& folder, int threads);
+/// The same for a task's case. One that names other files is read beside them, not in the folder of its results.
+std::string command_to_resume(const Task& task, const std::filesystem::path& folder, int threads);
 
 }  // namespace talus

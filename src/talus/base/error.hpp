@@ -1,6 +1,7 @@
 #pragma once
 /// What can go wrong: the user's input, which the user can mend, or the run.
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -30,7 +31,13 @@ class InputError : public std::runtime_error {
 /// The run broke: what happened, to which particle, where, when and in what state.
 class RunError : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  /// `particle`: the number of the one where it showed, if it is known.
+  explicit RunError(const std::string& text, std::optional<long> particle = {})
+      : std::runtime_error(text), particle_(particle) {}
+  std::optional<long> particle() const { return particle_; }
+
+ private:
+  std::optional<long> particle_;
 };
 
 }  // namespace talus

@@ -138,19 +138,23 @@ std::optional<Stiffening> contact_stiffening(const Body<Dim>& body) {
 }
 
 template <int Dim>
-double fastest_wave(const Body<Dim>& body, const Integration& how) {
+FastestWave fastest_wave(const Body<Dim>& body, const Integration& how) {
   const Particles<Dim>& p = body.particles;
-  double speed2 = 0;
+  double fastest2 = 0;
+  int fastest = 0;
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = 0; i < p.size(); ++i) {
           const auto state = state_of<Law>(p, i);
           const double volume = p.reference_volume()[i] * law.specific_volume(state);
-          speed2 = std::max(speed2, stiffness_at_rest(law, state, how) * volume / p.mass()[i]);
+          const double speed2 = stiffness_at_rest(law, state, how) * volume / p.mass()[i];
+          if (speed2 <= fastest2) continue;
+          fastest2 = speed2;
+          fastest = i;
         }
       },
       body.law);
-  return std::sqrt(speed2);
+  return {std::sqrt(fastest2), fastest};
 }
 
 template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
@@ -163,7 +167,7 @@ template double elastic_energy(const Body<2>&);
 template double elastic_energy(const Body<3>&);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);
 template std::optional<Stiffening> contact_stiffening(const Body<3>&);
-template double fastest_wave(const Body<2>&, const Integration&);
-template double fastest_wave(const Body<3>&, const Integration&);
+template FastestWave fastest_wave(const Body<2>&, const Integration&);
+template FastestWave fastest_wave(const Body<3>&, const Integration&);
 
 }  // namespace talus

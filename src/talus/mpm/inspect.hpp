@@ -39,8 +39,12 @@ double stiffness_at_rest(const Law& law, typename Law::template State<double> st
   return law.update(state, Motion<double>{SymTensor<double>::zero(), SymTensor<double>::zero(), 1}, how).stiffness;
 }
 
-/// Speed of the fastest compression wave in a body [m/s].
+/// The fastest compression wave in a body.
+struct FastestWave {
+  double speed = 0;  ///< [m/s]
+  int particle = 0;  ///< where it is
+};
 template <int Dim>
-double fastest_wave(const Body<Dim>& body, const Integration& how);
+FastestWave fastest_wave(const Body<Dim>& body, const Integration& how);
 
 }  // namespace talus

@@ -97,6 +97,8 @@ class Simulation {
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;
+  /// Everything about one particle, a line a quantity.
+  virtual std::string describe(long particle) const = 0;
   virtual long n_particles() const = 0;
   virtual long n_tiles() const = 0;
   virtual std::size_t bytes() const = 0;

@@ -45,7 +45,8 @@ class Stepper final : public Simulation {
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
     for (const auto& body : bodies_)
       if (const auto contact = contact_stiffening(body)) contacts_.push_back(*contact);
-    for (const auto& body : bodies_) wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration));
+    for (const auto& body : bodies_)
+      wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration).speed);
     give_all_momentum();
   }
 
@@ -85,6 +86,12 @@ class Stepper final : public Simulation {
   const StepTally& tally() const override { return tally_; }
   Observation observe() override;
   ParticlePlaces places() const override;
+  std::string describe(long particle) const override {
+    for (const auto& body : bodies_)
+      for (int i = 0; i < body.particles.size(); ++i)
+        if (long(body.particles.id()[i]) == particle) return talus::describe(body, i);
+    return "";
+  }
   long n_particles() const override {
     long n = 0;
     for (const auto& body : bodies_) n += body.particles.size();
@@ -104,14 +111,37 @@ class Stepper final : public Simulation {
   BoundedStep next_step() const {
     if (numerics_.dt) return {*numerics_.dt, Bound::fixed};
     const BoundedStep next = stable_step(bounds());
-    const double dt = next.dt;
-    if (!(dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed)))
-      throw RunError(
-          fmt::format("the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
-                      "fastest particle {:.4g} m/s, "
-                      "viscosity {:.4g} m2/s",
-                      dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_));
+    if (!(next.dt > 1e-9 * domain_.h / std::max(1e-3, ledger_.max_speed))) stop_at_short_step(next.dt);
     return next;
+  }
+  /// Names the particle that waves are fastest at, or the fastest one, whichever shortens the step more.
+  [[noreturn]] void stop_at_short_step(double dt) const {
+    const Body<Dim>* at = nullptr;
+    int particle = 0;
+    double most = -1;
+    for (const auto& body : bodies_) {
+      const Particles<Dim>& p = body.particles;
+      const auto blame = [&](double speed, int i) {
+        if (!(speed > most)) return;
+        most = speed;
+        at = &body;
+        particle = i;
+      };
+      const FastestWave wave = fastest_wave(body, numerics_.integration);
+      if (p.size() > 0) blame(wave.speed, wave.particle);
+      for (int i = 0; i < p.size(); ++i) {
+        double speed2 = 0;
+        for (int a = 0; a < Dim; ++a) speed2 += p.velocity(a)[i] * p.velocity(a)[i];
+        blame(1.3 * std::sqrt(speed2), i);
+      }
+    }
+    const std::string text = fmt::format(
+        "the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
+        "fastest particle {:.4g} m/s, "
+        "viscosity {:.4g} m2/s",
+        dt, ledger_.time, ledger_.step, wave_speed_, ledger_.max_speed, viscosity_);
+    if (!at) throw RunError(text);
+    throw RunError(text + "\n" + talus::describe(*at, particle), long(at->particles.id()[particle]));
   }
   StepBounds bounds() const {
     return {domain_.h, numerics_.cfl, wave_speed_, fastest(), viscosity_, std::sqrt(dot(gravity_, gravity_)),
@@ -787,7 +817,8 @@ class Stepper final : public Simulation {
       for (int i = 0; i < body.particles.size(); ++i) {
         if (!is_bad(body, i)) continue;
         throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}", what, ledger_.time, ledger_.step,
-                                   ledger_.dt, describe(body, i)));
+                                   ledger_.dt, talus::describe(body, i)),
+                       long(body.particles.id()[i]));
       }
     throw RunError(what);
   }

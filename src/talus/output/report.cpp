@@ -240,7 +240,10 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
     warnings.push_back(fmt::format(
         "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
         100 * (l.numerical + l.averaging) / energy));
-  if (l.n_unconverged > 0) warnings.push_back(fmt::format("{} stress updates did not converge.", l.n_unconverged));
+  if (l.n_unconverged > 0)
+    warnings.push_back(
+        fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",
+                    l.n_unconverged));
   if (l.n_separated > 0.2 * double(run.n_particles))
     warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
                                    100.0 * l.n_separated / double(run.n_particles)));

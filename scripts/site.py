@@ -1,0 +1,196 @@
+#!/usr/bin/python3
+"""Builds the site from docs/ and what stands beside it: `./dev docs`.
+
+    scripts/site.py TALUS FOLDER
+
+FOLDER/site is the site. Pages are docs/**.md, and the README.md of validation/, its folders and benchmarks/. Other
+files that they link to are put into the site as text. TALUS tells the tables of docs/reference.md; figures come from
+out/reproduce, as `talus reproduce all` leaves it.
+"""
+
+import json
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+
+root = pathlib.Path(__file__).resolve().parent.parent
+talus, folder = (pathlib.Path(a).resolve() for a in sys.argv[1:])
+source, site = folder / "site_source", folder / "site"
+katex = pathlib.Path("/usr/share/javascript/katex")
+link = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
+
+
+def pages():
+    """The pages, as paths from the root."""
+    found = [*(root / "docs").rglob("*.md"), *(root / "validation").rglob("README.md"), root / "benchmarks/README.md"]
+    return sorted(p.relative_to(root) for p in found)
+
+
+def place_of(path):
+    """Where a file of the repository stands in the site; none if it is not a page or a picture of docs/."""
+    if path.parts[0] == "docs":
+        return pathlib.Path(*path.parts[1:])
+    return path if path in pages() else None
+
+
+def rewritten(text, page):
+    """A page's text with links that hold in the site. Files that are no pages are copied there as text."""
+    here = place_of(page).parent
+
+    def mend(found):
+        before, target, after = found.groups()
+        if re.match(r"[a-z]+:|#", target):
+            return found.group()
+        target, _, anchor = target.partition("#")
+        path = pathlib.Path(os.path.normpath(page.parent / target))
+        place = place_of(path)
+        if place is None and (root / path).is_dir():
+            return before + "#" + after  # a folder: its name says enough
+        if place is None:
+            place = pathlib.Path("files") / (str(path) + ".txt")
+            (source / place).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(root / path, source / place)
+        return before + os.path.relpath(place, here) + ("#" + anchor if anchor else "") + after
+
+    parts = re.split(r"(^```.*?^```)", text, flags=re.M | re.S)  # code stays as it is
+    return "".join(p if p.startswith("```") else link.sub(mend, p) for p in parts)
+
+
+def figures():
+    """A page of the remade figures, or how to make them."""
+    made = root / "out/reproduce"
+    text = ["# Figures", ""]
+    if not (made / "index.html").exists():
+        return "\n".join(text + [
+            "They were not made when this site was built. `talus reproduce all` makes them, then `./dev docs` shows them here."])
+    shutil.copytree(made, source / "validation/reproduced",
+                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".talus", ".series"))])
+    text += ["Remade by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
+    for folder in sorted((root / "validation").iterdir()):
+        page = made / folder.name / "index.html"
+        if not (folder / "figure.toml").exists() or not page.exists():
+            continue
+        figure = tomllib.loads((folder / "figure.toml").read_text())
+        text += [f"## {figure['title']}", "", f"{figure.get('source', '')}. [Curves and verdicts](reproduced/{folder.name}/index.html).", ""]
+        pictures = [f"reproduced/{folder.name}/{panel['name']}.svg" for panel in figure.get("panel", [])]
+        text += [" ".join(f"![]({p})" for p in pictures if (source / "validation" / p).exists()), ""]
+    return "\n".join(text)
+
+
+def takes(value):
+    """What a key takes, in a few words."""
+    if "anyOf" in value:
+        return " or ".join(dict.fromkeys(takes(v) for v in value["anyOf"]))
+    if "oneOf" in value:
+        return ", ".join(f"`{w['const']}`" for w in value["oneOf"])
+    if "enum" in value:
+        return ", ".join(f"`{w}`" for w in value["enum"])
+    kind = value.get("type", "")
+    if kind == "array":
+        n = value.get("minItems", 0) if value.get("minItems") == value.get("maxItems") else 0
+        return f"list of {str(n) + ' x ' if n > 1 else ''}{takes(value['items'])}"
+    if "properties" in value:
+        return "table"
+    if kind == "string":
+        return "text with unit" if "pattern" in value else "text"
+    return {"number": "number", "integer": "whole number", "boolean": "`true`, `false`"}.get(kind, "")
+
+
+def meaning(value):
+    if "anyOf" in value:
+        return "<br>".join(dict.fromkeys(m for v in value["anyOf"] if (m := meaning(v))))
+    words = [f"`{w['const']}`: {w['description']}" for w in value.get("oneOf", []) if w.get("description")]
+    return "<br>".join([value.get("description", ""), *words])
+
+
+def cell(text):
+    return text.replace("|", "\\|").replace("\n", " ")
+
+
+def table_of(values, required):
+    alike = {}  # keys of which the same is to be said share a row
+    for key, value in values.items():
+        if takes(value) or meaning(value):
+            alike.setdefault((takes(value), cell(meaning(value)), key in required), []).append(f"`{key}`")
+    rows = [f"| {', '.join(keys)}{'' if needed else ' (may be left out)'} | {what} | {means} |"
+            for (what, means, needed), keys in alike.items()]
+    return ["| key | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
+
+
+def inner_of(value):
+    """The section that a key holds, and how its name goes on; none if it holds none."""
+    for way in [value, *value.get("anyOf", [])]:
+        more = way.get("additionalProperties")
+        if "properties" in way:
+            return "", way
+        if "properties" in way.get("items", {}):
+            return "[0]", way["items"]
+        if isinstance(more, dict) and "properties" in more:
+            return ".NAME", more
+    return None
+
+
+def section(name, schema, depth):
+    """Tables of a section, then of those inside it."""
+    keys, required = schema["properties"], schema.get("required", [])
+    own = {k: v for k, v in keys.items() if not inner_of(v) or "anyOf" in v}
+    branches = [(*next(iter(b["if"]["properties"].items())), b["then"]) for b in schema.get("allOf", [])]
+    of_some = [k for k in own if any(then.get("properties", {}).get(k) is False for *_, then in branches)]
+    shown = f"[[{name[:-3]}]]" if name.endswith("[0]") else f"[{name.replace('[0]', '')}]"
+    text = [f"{'#' * depth} `{shown}`" if name else "", ""]
+    text += table_of({k: v for k, v in own.items() if k not in of_some}, required)
+    for key, value, then in branches:  # what only some of the choices take
+        here = {k: then.get("properties", {}).get(k, own[k]) for k in of_some}
+        table = table_of({k: v for k, v in here.items() if v is not False}, required + then.get("required", []))
+        if table:
+            text += [f"With `{key} = \"{value['const']}\"`:", "", *table]
+    parts = {}  # sections that say the same are told once
+    for key, value in keys.items():
+        if inner := inner_of(value):
+            path = (f"{name}." if name else "") + key + inner[0]
+            heading, *rest = section(path, inner[1], min(depth + 1, 4) if name else depth)
+            parts.setdefault("\n".join(rest).replace(path, ""), (heading, rest, []))[2].append(key)
+    for heading, rest, (_, *others) in parts.values():
+        text += [heading, "", *(["The same for " + ", ".join(f"`{k}`" for k in others) + ".", ""] if others else []), *rest]
+    return text
+
+
+def tables():
+    """The tables of docs/reference.md, from what the readers of talus say they take."""
+    schema = json.loads(subprocess.run([talus, "schema"], check=True, capture_output=True, text=True).stdout)
+    text = []
+    for kind in schema["anyOf"]:
+        text += ["", f"## {kind['title'].capitalize()}", "", *section("", kind, 3)]
+    listed = subprocess.run([talus, "list"], check=True, capture_output=True, text=True).stdout
+    text += ["", "## Quantities, choices and what laws tell", "", "What `talus list` prints.", "", "```text", listed.rstrip(), "```", ""]
+    return "\n".join(text)
+
+
+def main():
+    shutil.rmtree(source, ignore_errors=True)
+    for page in pages():
+        place = source / place_of(page)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(rewritten((root / page).read_text(), page))
+    shutil.copytree(root / "docs/images", source / "images")
+    for part in ("site.js", "site.css"):
+        shutil.copyfile(root / "docs/site" / part, source / part)
+    shutil.copyfile(root / "docs/site/mkdocs.yml", folder / "mkdocs.yml")
+    for part in ("katex.min.css", "katex.min.js", "contrib/auto-render.js"):
+        (source / "katex" / part).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(katex / part, source / "katex" / part)
+    shutil.copytree(katex / "fonts", source / "katex/fonts")
+    reference = source / "reference.md"
+    reference.write_text(reference.read_text() + tables())
+    (source / "validation/figures.md").write_text(figures())
+    subprocess.run(["/usr/bin/mkdocs", "build", "--quiet", "--strict", "--clean"], cwd=folder, check=True)
+    (site / "404.html").unlink()  # for servers only; its links begin with /
+    print(site / "index.html")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,21 @@
+#pragma once
+/// How many steps a run will take, found out by doing it on coarser cells.
+
+#include "talus/case/case.hpp"
+#include "talus/mpm/loop.hpp"
+
+namespace talus {
+
+struct Rehearsal {
+  double steps = 0;  ///< that the case is expected to take
+  int coarser = 1;   ///< how many times coarser the cells were
+  double until = 0;  ///< simulated time that was reached [s]; the rest is taken to go on at the last pace
+};
+
+/// Runs a case with cells and particles so many times coarser that it takes about `seconds`, if the case itself would
+/// take `whole_run` [s] (an upper guess). Steps get shorter as material presses and speeds up, and only a run knows when.
+/// A bound scales with cells in its own way: what waves, particles and contact bound goes with h, viscosity with h^2,
+/// gravity with its root.
+Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double seconds);
+
+}  // namespace talus

@@ -1,0 +1,62 @@
+#include "talus/app/rehearsal.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "mpm/cases.hpp"
+#include "talus/backend/backend.hpp"
+
+namespace talus {
+namespace {
+
+/// A sand column of 8 x 10 cells that slumps to one side: its steps get longer as it sinks.
+Case slump() {
+  Case what = column_at_rest(2, WallKind::no_slip);
+  what.domain.max = {1.6, 0.6, 0};
+  what.n_cells = {32, 12, 0};
+  what.walls[1] = WallKind::open;
+  what.bodies[0].spacing = 0.025;
+  what.end = 0.5;
+  return what;
+}
+
+/// Something that takes `coarser` times coarser cells, that is coarser^3 times less in plane strain.
+Rehearsal rehearse_on(int coarser, const Case& what, Loop& loop) {
+  constexpr double seconds = 60;  // more than any of these takes, so that the whole of it is run
+  return rehearse(what, loop, 0.99 * seconds * coarser * coarser * coarser, seconds);
+}
+
+TEST(Rehearsal, CoarseCellsForetellTheStepsOfASlump) {
+  const auto loop = make_serial();
+  const Case what = slump();
+  const auto simulation = make_simulation(what, *loop);
+  const double first = simulation->next_dt();
+  run_until(*simulation, what.end);
+  const double steps = double(simulation->ledger().step);
+  const Rehearsal same = rehearse_on(1, what, *loop), coarse = rehearse_on(2, what, *loop);
+  EXPECT_EQ(same.coarser, 1);
+  EXPECT_EQ(same.steps, steps);
+  EXPECT_EQ(coarse.coarser, 2);
+  EXPECT_GE(coarse.until, what.end);
+  // The promise of `talus check` is a factor of 1.5 in time. First steps alone tell less.
+  EXPECT_LT(std::abs(std::log(coarse.steps / steps)), std::log(1.25));
+  EXPECT_LT(std::abs(std::log(coarse.steps / steps)), std::abs(std::log(what.end / first / steps)));
+}
+
+TEST(Rehearsal, WallsAndThinThingsKeepTheirPlaces) {
+  const auto loop = make_serial();
+  Case what = slump();
+  what.end = 1e-3;
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 4);  // 32 and 12 are multiples of 4, the body is 8 cells wide
+  what.n_cells[0] = 30;
+  what.domain.max[0] = 1.5;
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 4);  // the side may move: nothing is there
+  what.walls[1] = WallKind::slip;
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 3);  // 30 and 12 are multiples of 3, and of 2
+  what.solids = {{"gate", Box{{0.5, 0, 0}, {0.6, 0.6, 0}}, WallKind::slip, {}}};
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 2);  // two cells thick
+}
+
+}  // namespace
+}  // namespace talus
