@@ -83,7 +83,7 @@ class Maker {
         const std::string again = name + " = " + written(value.source());
         replace(here, {value.source().end, value.source().end, nullptr}, (table.is_inline() ? ", " : "\n") + again);
       }
-      change(path, name + " as a text", [&](toml::node* t) { t->as_table()->insert_or_assign(name, "x"); });
+      change(path, name + " as a text", [&](toml::node* t) { t->as_table()->insert_or_assign(name, "?"); });
       change(path, name + " as a list", [&](toml::node* t) { t->as_table()->insert_or_assign(name, toml::array{}); });
       change(path, name + " as a table", [&](toml::node* t) { t->as_table()->insert_or_assign(name, toml::table{}); });
       visit(value, here);

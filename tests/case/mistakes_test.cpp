@@ -47,20 +47,20 @@ std::vector<fs::path> files() {
 }
 
 TEST(Mistakes, AreRefusedOrChangeWhatIsUnderstood) {
-  // All are some hundred thousand and take minutes: `./dev fuzz` makes them. Here every so many-th of each file.
+  // All are some forty thousand: `./dev fuzz` makes them. Here every so many-th of each file.
   const char* asked = std::getenv("TALUS_EVERY_MISTAKE");
-  const std::size_t stride = asked ? std::stoul(asked) : 97;
+  const std::size_t stride = asked ? std::stoul(asked) : 41;
   std::size_t n = 0, n_refused = 0, first = 0;
   for (const fs::path& file : files()) {
     const std::string text = text_of(file);
     const Lines right = understood(text, file.parent_path());
     const std::size_t count = mistakes::count(text);
-    EXPECT_GT(count, 500u) << file;
+    EXPECT_GT(count, 400u) << file;
     for (std::size_t i = first++ % stride; i < count; i += stride) {
       const mistakes::Mistake m = mistakes::made(text, i);
       ++n;
       try {
-        EXPECT_NE(understood(m.text, file.parent_path()), right) << file << "\n" << m.what;
+        EXPECT_TRUE(understood(m.text, file.parent_path()) != right) << file << "\n" << m.what;
       } catch (const InputError& e) {
         ++n_refused;
         for (const Complaint& c : e.complaints()) {

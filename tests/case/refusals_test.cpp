@@ -78,13 +78,14 @@ TEST_F(Refusal, AStepLongerThanWavesTakeThroughACell) {
 }
 
 TEST_F(Refusal, RunsThatNeverEnd) {
-  expect(slump("end = \"0.5 s\"", "end = \"1e12 s\"\n"), "at most 1e+12 are possible");
+  const std::string long_run = slump("end = \"0.5 s\"", "end = \"1e12 s\"");
+  expect(long_run.substr(0, long_run.find("[output]")), "run.end = \"1e12 s\" takes about ");
   expect(slump("E0 = 150", "E0 = 1e300"), "steps; at most 1e+12 are possible");
 }
 
 TEST_F(Refusal, BodiesWithoutParticlesOrOnTopOfEachOther) {
   expect(slump("box = { min = [\"-40 mm\", \"0 mm\"], max = [\"40 mm\", \"50 mm\"] }",
-               "polygon = { corners = [[\"0 mm\", \"0 mm\"], [\"40 mm\", \"40 mm\"], [\"40 mm\", \"40.1 mm\"]] }"),
+               "polygon = { corners = [[\"0 mm\", \"0 mm\"], [\"40 mm\", \"30 mm\"], [\"40 mm\", \"30.01 mm\"]] }"),
          "[body.column] holds no particles");
   const std::string second = R"([body.second]
 material = "glass"
@@ -170,7 +171,7 @@ TEST_F(Refusal, SizesBeforeMemoryIsAskedFor) {
 TEST_F(Refusal, TextsThatAreTooLongOrTooDeep) {
   expect("title = \"" + std::string(2 << 20, 'x') + "\"", "at most 1048576 are read. Long lists belong into CSV files");
   const std::string deep = "go deeper than 16 levels";
-  expect("a = 1\nb = " + std::string(100000, '['), "case.toml:2:20: brackets or dotted keys " + deep);
+  expect("a = 1\nb = " + std::string(100000, '['), "case.toml:2:21: brackets or dotted keys " + deep);
   std::string dotted;
   for (int i = 0; i < 300000; ++i) dotted += "a.";
   expect(dotted + "a = 1", deep);
@@ -205,7 +206,7 @@ TEST_F(Refusal, FilesThatAreTooLargeOrNoFiles) {
   const auto crc = std::uint32_t(crc32(0, reinterpret_cast<const Bytef*>(header.data()), 17));
   for (int i = 24; i >= 0; i -= 8) header += char(crc >> i & 0xff);
   write("bomb.png",
-        std::string("\x89PNG\r\n\x1a\n\0\0\0\r", 12) + header + std::string("\0\0\0\0IEND\xae\x42\x60\x82", 12));
+        std::string("\x89PNG\r\n\x1a\n\0\0\0\r", 12) + header + std::string("\0\0\0\0IDAT\x35\xaf\x06\x1e", 12));
   expect(slump("box = { min = [\"-40 mm\", \"0 mm\"], max = [\"40 mm\", \"50 mm\"] }",
                "image = { file = \"bomb.png\", min = [\"0 mm\", \"0 mm\"], pixel = \"1 mm\" }"),
          "is a picture of 60000 x 60000 pixels; at most 1e+08 are read");

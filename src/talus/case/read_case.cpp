@@ -562,8 +562,10 @@ void read_numerics(Section& s, Case& what) {
     const double g = std::sqrt(dot(what.gravity, what.gravity));
     if (g > 0 && high > low)
       n.tau = s.number(tau, 0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies");
-    else
+    else if (s.is_right())
       n.tau = s.number(tau);
+    else  // there is a default perhaps, once what it follows from is right
+      n.tau = s.optional_number(tau).value_or(0);
   } else {
     n.flip_share = s.number(
         {"flip_share", "1", Range::between(0, 1), "share of the particles' own velocity that is kept each step"}, 1.0);

@@ -123,6 +123,9 @@ class Section {
     return table_->get(key) && table_->get(key)->is_table();
   }
 
+  /// Whether nothing is wrong with the document so far, so that what was read means something.
+  bool is_right() const { return document_->is_right(); }
+
   /// Complains about a key that was read, or about the section.
   void complain(std::string_view key, std::string_view text);
   void complain(std::string_view text);

@@ -98,7 +98,12 @@ class Explorer {
       case Kind::number: table.insert_or_assign(a.key, *numbers.get(0)); break;
       case Kind::whole_number: table.insert_or_assign(a.key, std::int64_t(a.range.low)); break;
       case Kind::numbers: table.insert_or_assign(a.key, numbers); break;
-      case Kind::points: table.insert_or_assign(a.key, toml::array{toml::array(numbers)}); break;
+      case Kind::points: {
+        toml::array points;
+        points.push_back(numbers);
+        table.insert_or_assign(a.key, points);
+        break;
+      }
       case Kind::flag: table.insert_or_assign(a.key, true); break;
       case Kind::text: table.insert_or_assign(a.key, any_name); break;
       case Kind::word: table.insert_or_assign(a.key, a.words[dice % a.words.size()]); break;
@@ -198,7 +203,8 @@ class SchemaWriter {
     };
     const auto found = std::find_if(keys.begin(), keys.end(), decides);
     if (found == keys.end()) return branches;
-    for (const std::string& word : asks_of(all, *found)[0].words) {
+    const std::vector<std::string> words = asks_of(all, *found)[0].words;
+    for (const std::string& word : words) {
       Visits some;
       for (const Visit* v : all)
         if (const auto at = v->words.find(*found); at != v->words.end() && at->second == word) some.push_back(v);
