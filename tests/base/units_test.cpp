@@ -36,6 +36,11 @@ TEST(Units, AreConvertedToSI) {
 
 TEST(Units, OfTheWrongKindAreRefusedWithAnExample) {
   EXPECT_EQ(refusal("1.0 kPa", "m"), "not a length; write \"2 mm\"");
+  for (const char* no_unit : {"3 mm 2", "3 mm0 mm", "3 mm3 mm-2 2", "3 4 mm", "3 2mm", "3 mm*2", "3 10 mm"})
+    EXPECT_EQ(refusal(no_unit, "m"), "not a length; write \"2 mm\"") << no_unit;
+  // not even as its reciprocal
+  EXPECT_EQ(refusal("2 s", "1/s"), "not a rate; write \"0.1 1/s\"");
+  EXPECT_EQ(refusal("2 1/s", "s"), "not a time; write \"0.5 s\"");
   EXPECT_NE(refusal("20", "rad").find("lacks its unit"), std::string::npos);
   EXPECT_NE(refusal("2 furlongish", "m").find("unknown unit `furlongish`"), std::string::npos);
 }

@@ -8,6 +8,7 @@
 #include "talus/app/commands.hpp"
 #include "talus/app/progress.hpp"
 #include "talus/app/rehearsal.hpp"
+#include "talus/app/task.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/case/read.hpp"
@@ -103,6 +104,7 @@ int check_case(const std::string& case_file, int threads) {
 
   if (const std::string notice = notice_of_symmetry(what); !notice.empty()) fmt::print("\n  {}\n", notice);
 
+  expect_memory_for(what);
   const auto loop = make_openmp(threads);
   auto simulation = make_simulation(what, *loop);
   const double first = simulation->next_dt();

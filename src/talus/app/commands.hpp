@@ -40,4 +40,7 @@ int view_report(const std::string& folder);
 
 int list_everything();
 
+/// Prints a case or element test to start from, with comments; without a name, which there are.
+int print_template(const std::string& name);
+
 }  // namespace talus

@@ -8,6 +8,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/text.hpp"
+#include "talus/case/schema.hpp"
 
 namespace {
 
@@ -76,6 +77,13 @@ int talus_program(int argc, char** argv) {
   CLI::App* list_command =
       app.add_subcommand("list", "list laws, shapes, transfers and walls with units, ranges and meaning");
 
+  std::string template_name;
+  CLI::App* new_command = app.add_subcommand("new", "print a case to start from, with comments; or which there are");
+  new_command->add_option("NAME", template_name, "name of the case or element test [lists them]");
+
+  CLI::App* schema_command =
+      app.add_subcommand("schema", "print a JSON Schema of input files, with which editors complete and check them");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -92,6 +100,8 @@ int talus_program(int argc, char** argv) {
     if (*element_command) return talus::run_element(element);
     if (*reproduce_command) return talus::reproduce(figures);
     if (*list_command) return talus::list_everything();
+    if (*new_command) return talus::print_template(template_name);
+    if (*schema_command) std::fputs(talus::schema_of_inputs().c_str(), stdout);
   } catch (const talus::InputError& e) {
     const std::size_t n = e.complaints().size();
     std::fprintf(stderr, "%s\n", e.what());

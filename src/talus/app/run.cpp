@@ -27,6 +27,7 @@ int run_case(const RunOptions& options) {
   what.end = end_of(task, options);
   std::erase_if(what.output.pictures, [&](double t) { return t > what.end; });
 
+  expect_memory_for(what);
   const auto loop = make_openmp(options.threads);
   auto simulation = make_simulation(what, *loop);
   RunSummary run;

@@ -3,6 +3,7 @@
 #include <errno.h>  // program_invocation_name
 #include <fmt/format.h>
 
+#include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 
 namespace talus {
@@ -107,6 +108,15 @@ Task understand(const RunOptions& options) {
   task.input.what.output.checkpoints = output.checkpoints;
   task.input.what.output.checkpoint_wall = output.checkpoint_wall;
   return task;
+}
+
+void expect_memory_for(const Case& what) {
+  const double needed = estimated_bytes(what), free = free_memory();
+  if (free > 0 && needed > free)
+    throw InputError(
+        fmt::format("about {:.2g} particles need some {:.2g} GB of memory, and {:.2g} GB are free here; a "
+                    "larger `spacing` makes fewer",
+                    estimated_particles(what), 1e-9 * needed, 1e-9 * free));
 }
 
 double end_of(const Task& task, const RunOptions& options) {

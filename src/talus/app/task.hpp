@@ -24,6 +24,9 @@ struct Task {
 /// Reads the case and finds out from where to go on; changes nothing. Throws InputError.
 Task understand(const RunOptions& options);
 
+/// Throws InputError if a case needs more memory than is free here.
+void expect_memory_for(const Case& what);
+
 /// The simulated time at which to end [s].
 double end_of(const Task& task, const RunOptions& options);
 

@@ -1,6 +1,7 @@
 #include "talus/base/error.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 namespace talus {
 
@@ -20,7 +21,7 @@ std::string all_lines(const std::vector<Complaint>& complaints) {
 
 std::vector<Complaint> in_file_order(std::vector<Complaint> complaints) {
   std::stable_sort(complaints.begin(), complaints.end(), [](const Complaint& a, const Complaint& b) {
-    return a.line != b.line ? a.line < b.line : a.column < b.column;
+    return std::tie(a.file, a.line, a.column) < std::tie(b.file, b.line, b.column);
   });
   return complaints;
 }

@@ -8,7 +8,6 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
@@ -25,12 +24,26 @@ namespace {
 
 }  // namespace
 
-std::string contents_of(const fs::path& file) {
+std::string contents_of(const fs::path& file, std::size_t most) {
   std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (!in) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
-  return std::move(text).str();
+  std::string text;
+  char piece[1 << 16];
+  while (in && text.size() <= most) {
+    in.read(piece, sizeof piece);
+    text.append(piece, std::size_t(in.gcount()));
+  }
+  if (!in.eof() && text.size() <= most) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
+  if (text.size() > most) throw std::runtime_error(fmt::format("{} holds more than {} bytes", file.string(), most));
+  return text;
+}
+
+void expect_file(const fs::path& file, std::uintmax_t most) {
+  std::error_code failure;
+  if (!fs::is_regular_file(file, failure)) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
+  const std::uintmax_t size = fs::file_size(file, failure);
+  if (failure) throw std::runtime_error(fmt::format("{} cannot be read", file.string()));
+  if (size > most)
+    throw std::runtime_error(fmt::format("{} holds {} bytes; at most {} are read", file.string(), size, most));
 }
 
 WholeFile::WholeFile(fs::path file) : file_(std::move(file)), unfinished_(file_) {

@@ -1,14 +1,21 @@
 #pragma once
 /// Files that are written whole or not at all.
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <string_view>
 
 namespace talus {
 
-/// What a file holds. Throws std::runtime_error if it cannot be read.
-std::string contents_of(const std::filesystem::path& file);
+/// What a file holds. Throws std::runtime_error if it cannot be read, or holds more than `most` bytes; then no more than
+/// these were read.
+std::string contents_of(const std::filesystem::path& file, std::size_t most = std::numeric_limits<std::size_t>::max());
+
+/// Throws std::runtime_error unless this is a file, and no pipe, device or folder, of at most `most` bytes. For files
+/// that an input names.
+void expect_file(const std::filesystem::path& file, std::uintmax_t most);
 
 /// A file that is called NAME.unfinished until it is whole. All functions throw std::runtime_error, with the file and
 /// the system's reason, where something cannot be written.

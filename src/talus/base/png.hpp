@@ -13,7 +13,10 @@ struct GreyImage {
   std::vector<std::uint8_t> pixels;
 };
 
-/// Reads a PNG file of any kind. Throws std::runtime_error.
+/// Pixels that a picture may have: a hundred megabytes. A small file can claim any number of them.
+inline constexpr double most_pixels = 1e8;
+
+/// Reads a PNG file of any kind. Throws std::runtime_error, before memory is asked for if it is too large.
 GreyImage read_png(const std::string& path);
 
 }  // namespace talus

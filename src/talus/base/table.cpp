@@ -10,6 +10,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "talus/base/file.hpp"
 #include "talus/base/text.hpp"
 
 namespace talus {
@@ -30,8 +31,8 @@ std::string as_csv(const ResultTable& result) {
 }
 
 NumberTable read_csv(const std::string& path, const std::string& where, const std::string& is) {
+  expect_file(path, std::uintmax_t(most_csv_bytes));
   std::ifstream file(path);
-  if (!file) throw std::runtime_error(fmt::format("{} cannot be read", path));
   NumberTable table;
   std::string line;
   int chosen = -1, number = 0;
@@ -47,6 +48,9 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
     }
     if (table.names.empty()) {
       table.names.assign(cells.begin(), cells.end());
+      for (auto name = table.names.begin(); name != table.names.end(); ++name)
+        if (std::find(table.names.begin(), name, *name) != name)
+          throw std::runtime_error(fmt::format("{}:{}: two columns are called `{}`", path, number, *name));
       if (!where.empty()) {
         chosen = table.column(where);
         if (chosen < 0) throw std::runtime_error(fmt::format("{} has no column `{}`", path, where));
@@ -60,8 +64,10 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
     std::vector<double> row;
     for (std::string_view c : cells) {
       c.remove_prefix(std::min(c.find_first_not_of(" +"), c.size()));
+      c.remove_suffix(c.size() - std::min(c.find_last_not_of(' ') + 1, c.size()));
       double value;
-      const bool is_number = std::from_chars(c.data(), c.data() + c.size(), value).ec == std::errc();
+      const auto [end, failure] = std::from_chars(c.data(), c.data() + c.size(), value);
+      const bool is_number = failure == std::errc() && end == c.data() + c.size();  // "12 mm" is none
       row.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
     }
     table.rows.push_back(std::move(row));
@@ -69,6 +75,7 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
   }
   if (table.rows.empty() && !where.empty())
     throw std::runtime_error(fmt::format("{} holds no rows with {} = {}", path, where, is));
+  if (file.bad()) throw std::runtime_error(fmt::format("{} cannot be read", path));
   return table;
 }
 

@@ -23,6 +23,9 @@ struct ResultTable : NumberTable {
 /// The result as a CSV file, units in the header.
 std::string as_csv(const ResultTable& result);
 
+/// Bytes that a CSV file may have: ten million particles; in memory it is some ten times as large.
+inline constexpr double most_csv_bytes = 1e9;
+
 /// Reads a CSV file with a header; lines that begin with # are skipped, and what is no number becomes NaN. With
 /// `where`, only the rows whose column of that name reads `is`. Throws std::runtime_error.
 NumberTable read_csv(const std::string& path, const std::string& where = "", const std::string& is = "");

@@ -1,7 +1,10 @@
 #include "talus/base/text.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <numeric>
 
 namespace talus {
@@ -34,7 +37,8 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
   std::string_view best;
   double least = std::max(1.0, 0.4 * double(word.size())) + 1e-9;
   for (std::string_view c : candidates) {
-    double d = distance(word, c);
+    double d = std::abs(double(word.size()) - double(c.size()));  // so many edits at least
+    if (d < least) d = distance(word, c);
     if (c.size() > 2 && word.size() > 2 && (c.find(word) != c.npos || word.find(c) != word.npos))
       d = std::min(d, 0.5 * least);
     if (d < least) {
@@ -43,6 +47,45 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
     }
   }
   return best;
+}
+
+namespace {
+
+/// Bytes of the control character that a UTF-8 text begins with: C0, DEL, or C1, which comes in two; 0 if it is none.
+int control_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0xffu; };
+  if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
+  return byte(0) == 0xc2 && byte(1) >= 0x80 && byte(1) < 0xa0 ? 2 : 0;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+  std::string out;
+  while (!text.empty()) {
+    const std::size_t n = std::size_t(control_length(text));
+    if (n == 0)
+      out += text[0];
+    else if (text[0] == '\n')
+      out += "\\n";
+    else
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[n - 1]));
+    text.remove_prefix(std::max<std::size_t>(n, 1));
+  }
+  return out;
+}
+
+std::string fault_of_name(std::string_view name) {
+  constexpr std::size_t longest = 100;
+  if (name.empty()) return "must not be empty";
+  if (name.size() > longest) return fmt::format("is longer than {} characters", longest);
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const auto c = static_cast<unsigned char>(name[i]);
+    if (std::isalnum(c) || c == '_' || (i > 0 && (c == '-' || c == '.' || c == ' '))) continue;
+    if (c >= 0x80 && control_length(name.substr(i)) == 0) continue;  // letters of other alphabets
+    return "is no name: letters, digits, `_`, and after the first also `-`, `.` and blanks";
+  }
+  return "";
 }
 
 std::string any_of(const std::vector<std::string_view>& words, std::string_view last) {

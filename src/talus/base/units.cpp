@@ -78,15 +78,26 @@ std::variant<double, std::string> to_si(std::string_view text, std::string_view 
   rest = trimmed(rest.substr(parsed.ptr - rest.data()));
   if (rest.empty()) return "lacks its unit; write " + example_of(unit);
 
-  if (std::isdigit(static_cast<unsigned char>(rest.front())) && rest.substr(0, 2) != "1/")
-    return expected;  // "3 4 mm" is no product
+  // UDUNITS takes more than units: factors ("3 mm 2" would be 6 mm), powers of 0 ("3 mm0 mm" would be 3 mm).
+  for (std::size_t i = rest.substr(0, 2) == "1/" ? 1 : 0; i < rest.size(); ++i) {
+    const auto digit = [&](std::size_t at) { return std::isdigit(static_cast<unsigned char>(rest[at])) != 0; };
+    if (!digit(i)) continue;
+    const bool is_power = i > 0 && (std::isalpha(static_cast<unsigned char>(rest[i - 1])) || rest[i - 1] == '^' ||
+                                    rest[i - 1] == '-' || (digit(i - 1) && i > 1));
+    if (!is_power || (rest[i] == '0' && !digit(i - 1))) return expected;
+  }
+  constexpr std::size_t longest = 40;
+  if (rest.size() > longest) return fmt::format("has a unit longer than {} characters", longest);
 
   UnitSystem& u = units();
   const std::lock_guard lock(u.mutex);
   const Unit given(ut_parse(u.system, std::string(rest).c_str(), UT_UTF8));
   if (!given) return fmt::format("has the unknown unit `{}`; write {}", rest, example_of(unit));
   const Unit wanted(ut_parse(u.system, std::string(unit).c_str(), UT_UTF8));
-  if (!ut_are_convertible(given.get(), wanted.get()) || is_angle(given.get()) != is_angle(wanted.get()))
+  // UDUNITS also converts a unit into its reciprocal, seconds into hertz; so the quotient must be a pure number.
+  const Unit quotient(ut_divide(given.get(), wanted.get()));
+  if (!quotient || !ut_is_dimensionless(quotient.get()) || !ut_are_convertible(given.get(), wanted.get()) ||
+      is_angle(given.get()) != is_angle(wanted.get()))
     return expected;
   cv_converter* converter = ut_get_converter(given.get(), wanted.get());
   const double si = cv_convert_double(converter, number);

@@ -16,6 +16,14 @@ Box kept_by_symmetry(const Case& what) {
   return kept;
 }
 
+double lattice_places(const Case& what, const BodySpec& body) {
+  if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
+  const Box box = bounding_box(body.region, what.dim);
+  double n = 1;
+  for (int a = 0; a < what.dim; ++a) n *= std::max(1.0, (box.max[a] - box.min[a]) / body.spacing);
+  return n;
+}
+
 Filling fill(const Case& what, const BodySpec& body) {
   const Box kept = kept_by_symmetry(what);
   const double close = 1e-9 * what.cell;

@@ -15,6 +15,9 @@ struct Filling {
                 ///< an axis per radian
 };
 
+/// Places of the lattice that `fill` looks at, or points that the body lists.
+double lattice_places(const Case& what, const BodySpec& body);
+
 /// The points of a body: every place of the lattice that lies in the region, or the points it lists, on this side of
 /// planes of symmetry. A point on such a plane is half a particle here and half one behind it.
 Filling fill(const Case& what, const BodySpec& body);

@@ -36,7 +36,15 @@ ElementTestFile read_element_test(const std::string& path);
 CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder = "");
 ElementTestFile read_element_test_text(const std::string& name, std::string_view text, const std::string& folder);
 
+class Document;
+/// The same from a document, in which mistakes stay.
+Case understand_case(Document& document, const std::string& folder);
+ElementTest understand_element_test(Document& document, const std::string& folder);
+
 /// About how many particles a case will have.
 double estimated_particles(const Case& what);
+
+/// About how much memory these take while it runs, and while a snapshot is made of them [bytes].
+double estimated_bytes(const Case& what);
 
 }  // namespace talus

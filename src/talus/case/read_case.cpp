@@ -9,8 +9,10 @@
 #include "talus/base/table.hpp"
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
+#include "talus/case/check_together.hpp"
 #include "talus/case/filling.hpp"
 #include "talus/case/read_law.hpp"
+#include "talus/case/start.hpp"
 
 namespace talus {
 
@@ -21,6 +23,11 @@ constexpr const char* axis_names[] = {"x", "y", "z"};
 /// Cells that a solid must be thick, so that two planes of nodes are its own: a particle touches nodes up to a cell and a
 /// half away, and at a single plane it would be carried through by its own mass on the other side.
 constexpr double least_thickness = 1;
+
+constexpr double most_particles = 2e8;
+/// Rows or snapshots of a run.
+constexpr double most_instants = 1e6;
+constexpr std::size_t most_corners = 10000;
 
 Vec<3> vector_of(const std::vector<double>& values) {
   Vec<3> v{};
@@ -160,7 +167,8 @@ void read_domain(Section& root, Case& what) {
 }
 
 void read_materials(Section& root, bool as_in_the_paper, Case& what) {
-  for (auto& [name, section] : root.named_sections("material", "what bodies are made of")) {
+  for (auto& [name, s] : root.named_sections("material", "what bodies are made of")) {
+    Section& section = s;  // clang 14 takes no structured binding into a lambda
     if (as_in_the_paper) section.prefer("collisional_form", "rate");
     Material material{name, read_law(section), 0};
     std::visit(
@@ -211,7 +219,9 @@ Region read_region(Section& s, const Case& what) {
       polygon.from = p.number({"from", "m", {}, "where the prism begins along y"});
       polygon.to = p.number({"to", "m", {}, "where the prism ends along y"});
     }
-    const std::string f = fault(polygon, dim);
+    const std::size_t n = polygon.corners.size();
+    const std::string f =
+        n > most_corners ? fmt::format("are {}; at most {} are possible", n, most_corners) : fault(polygon, dim);
     if (!f.empty()) p.complain("corners", f);
     if (f.empty() && !polygon.corners.empty()) region = polygon;
     p.close("a polygon");
@@ -387,17 +397,8 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
                    fmt::format("must be `zero` for law `{}`, whose grains carry nothing at rest", name_of(*law)));
     }
     if (law && body.void_ratio)
-      std::visit(
-          [&](const auto& grains) {
-            if constexpr (requires { grains.collisional.Phi_c; }) {
-              if (1 / (1 + *body.void_ratio) >= grains.collisional.Phi_c)
-                s.complain(
-                    "void_ratio",
-                    fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)",
-                                1 / grains.collisional.Phi_c - 1));
-            }
-          },
-          *law);
+      if (const std::string why = fault_of_void_ratio(*law, *body.void_ratio); !why.empty())
+        s.complain("void_ratio", why);
     s.close("a body");
     what.bodies.push_back(std::move(body));
   }
@@ -515,22 +516,6 @@ void read_solids(Section& root, Case& what, const std::string& folder) {
     if (thin > 0 && thin < least * (1 - 1e-9))
       s.complain(fmt::format("is {} thick; it must be as thick as the cells at least, {}, or material leaks through",
                              with_unit(thin, "m"), with_unit(least, "m")));
-    for (const BodySpec& body : what.bodies) {
-      double deepest = 0;
-      Vec<3> at{};
-      const bool can_be_filled = body.spacing > 0 || std::holds_alternative<PointList>(body.region);
-      if (can_be_filled && estimated_particles(what) < 1e8)
-        for (const Vec<3>& x : fill(what, body).points) {
-          const double distance = solid.at(x, 0, what.dim).distance;
-          if (distance < deepest) {
-            deepest = distance;
-            at = x;
-          }
-        }
-      if (deepest < -1e-6 * what.cell)
-        s.complain(fmt::format("overlaps body `{}` at the start: the particle at ({}) lies {} inside", body.name,
-                               fmt::join(&at[0], &at[0] + what.dim, ", "), with_unit(-deepest, "m")));
-    }
     what.solids.push_back(std::move(solid));
   }
 }
@@ -577,8 +562,10 @@ void read_numerics(Section& s, Case& what) {
     const double g = std::sqrt(dot(what.gravity, what.gravity));
     if (g > 0 && high > low)
       n.tau = s.number(tau, 0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies");
-    else
+    else if (s.is_right())
       n.tau = s.number(tau);
+    else  // there is a default perhaps, once what it follows from is right
+      n.tau = s.optional_number(tau).value_or(0);
   } else {
     n.flip_share = s.number(
         {"flip_share", "1", Range::between(0, 1), "share of the particles' own velocity that is kept each step"}, 1.0);
@@ -645,12 +632,27 @@ void read_output(Section& root, Case& what) {
       {"checkpoints", "s", Range::positive(), "simulated time between checkpoints, beside those by the clock"});
   o.checkpoint_wall = s.number({"checkpoint_wall", "s", Range::positive(), "time on the clock between checkpoints"},
                                OutputSpec{}.checkpoint_wall);
-  if (end > 0 && o.snapshots > end) s.complain("snapshots", "is longer than the run");
-  if (end > 0 && o.history > end) s.complain("history", "is longer than the run");
+  const auto expect_interval = [&](std::string_view key, double interval) {
+    if (!(end > 0 && interval > 0)) return;
+    if (interval > end)
+      s.complain(key, fmt::format("is longer than the run, {}", with_unit(end, "s")));
+    else if (end / interval > most_instants)
+      s.complain(key, fmt::format("makes {:.3g} instants; at most {:.0e} are possible", end / interval, most_instants));
+  };
+  expect_interval("snapshots", o.snapshots);
+  expect_interval("history", o.history);
+  if (o.checkpoints) expect_interval("checkpoints", *o.checkpoints);
   s.close("[output]");
 }
 
-Case read(Document& document, const std::string& folder) {
+double estimated_particles(const BodySpec& body, int dim) {
+  if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
+  return body.spacing > 0 ? volume(body.region, dim) / std::pow(body.spacing, dim) : 0;
+}
+
+}  // namespace
+
+Case understand_case(Document& document, const std::string& folder) {
   Case what;
   Section root = Section::root(document);
   what.title = root.text("title", "what the case is, in one line");
@@ -666,38 +668,47 @@ Case read(Document& document, const std::string& folder) {
   run.close("[run]");
   read_output(root, what);
   root.close("a case");
-
-  constexpr double most = 2e8;
-  const double n = estimated_particles(what);
-  if (n > most)
+  if (const double n = estimated_particles(what); n > most_particles)
     root.complain(fmt::format(
         "the bodies would hold about {:.3g} particles; at most {:.0g} are possible. A larger `spacing` makes fewer", n,
-        most));
+        most_particles));
+  if (document.is_right()) check_together(root, what);
   return what;
 }
 
-}  // namespace
-
 double estimated_particles(const Case& what) {
   double n = 0;
-  for (const BodySpec& b : what.bodies)
-    if (const auto* list = std::get_if<PointList>(&b.region))
-      n += double(list->places.size());
-    else if (b.spacing > 0)
-      n += volume(b.region, what.dim) / std::pow(b.spacing, what.dim);
+  for (const BodySpec& b : what.bodies) n += estimated_particles(b, what.dim);
   return n;
+}
+
+double estimated_bytes(const Case& what) {
+  double numbers = 0;
+  for (const BodySpec& b : what.bodies) {
+    const double of_a_particle = std::visit(
+        [&]<class Law>(const Law&) {
+          // stored: place, velocity, mass, volume, id, state; seen: what every law tells, and what this one does
+          double n = 2 * what.dim + 3 + state_size<Law> + (is_affine(what.numerics.transfer) ? what.dim * what.dim : 0);
+          for (const Quantity& q : common_quantities) n += q.components;
+          for (const Quantity& q : Law::quantities()) n += q.components;
+          return n;
+        },
+        what.materials[b.material].law);
+    numbers += estimated_particles(b, what.dim) * of_a_particle;
+  }
+  return sizeof(double) * numbers;
 }
 
 CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder) {
   Document document(name, text);
-  Case what = read(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
+  Case what = understand_case(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }
 
 CaseFile read_case(const std::string& path) {
   Document document(path);
-  Case what = read(document, std::filesystem::path(path).parent_path().string());
+  Case what = understand_case(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }

@@ -2,17 +2,20 @@
 
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
-#include <sstream>
+#include <stdexcept>
 
+#include "talus/base/table.hpp"
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
 #include "talus/case/read_law.hpp"
+#include "talus/case/start.hpp"
 
 namespace talus {
 
 namespace {
+
+constexpr double most_rows = 1e7;  ///< of all segments
 
 constexpr const char* component_names[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
 
@@ -275,50 +278,37 @@ std::vector<Segment> read_named_test(Section& s, Segment segment) {
 /// Reads strain rates from a CSV file with the columns time and rate_xx ... rate_zx (those left out are zero), in s and
 /// 1/s.
 std::vector<RateInstant> read_rates(Section& s, const std::string& path) {
-  std::ifstream file(path);
-  std::vector<RateInstant> table;
-  std::string line, cell;
-  std::vector<int> columns;
-  int line_number = 0;
-  const auto refuse = [&](const std::string& why) {
-    s.complain("rates", fmt::format("line {}: {}", line_number, why));
-    return std::vector<RateInstant>{};
-  };
-  while (std::getline(file, line)) {
-    ++line_number;
-    if (!line.empty() && line.back() == '\r') line.pop_back();
-    if (line.empty() || line[0] == '#') continue;
-    std::istringstream cells(line);
-    if (columns.empty()) {
-      while (std::getline(cells, cell, ',')) {
-        cell = cell.substr(0, cell.find(" ["));  // the unit, as talus writes it
-        const bool rate = cell.rfind("rate_", 0) == 0 && component(cell.substr(5)) >= 0;
-        if (cell != "time" && !rate)
-          return refuse("unknown column `" + cell +
-                        "`; columns are time, rate_xx, rate_yy, rate_zz, rate_xy, rate_yz, rate_zx");
-        columns.push_back(rate ? component(cell.substr(5)) : -1);
+  std::vector<RateInstant> instants;
+  try {
+    const NumberTable table = read_csv(path);
+    std::vector<int> columns;
+    for (const std::string& name : table.names) {
+      const std::string word = name.substr(0, name.find(" ["));  // without the unit, as talus writes it
+      const int i = word.rfind("rate_", 0) == 0 ? component(word.substr(5)) : -1;
+      if (word != "time" && i < 0)
+        throw std::runtime_error(fmt::format(
+            "{}: unknown column `{}`; columns are time, rate_xx, rate_yy, rate_zz, rate_xy, rate_yz, rate_zx", path,
+            word));
+      columns.push_back(i);
+    }
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      RateInstant r{std::nan(""), {}};
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        const double value = table.rows[i][c];
+        if (!std::isfinite(value))
+          throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
+        (columns[c] < 0 ? r.time : r.rate[columns[c]]) = value;
       }
-      continue;
+      if (!(instants.empty() ? r.time == 0 : r.time > instants.back().time))
+        throw std::runtime_error(fmt::format("{}:{}: times must begin with 0 and grow", path, table.lines[i]));
+      instants.push_back(r);
     }
-    RateInstant r{std::nan(""), {}};
-    std::size_t n = 0;
-    while (std::getline(cells, cell, ',')) {
-      double value = 0;
-      std::istringstream number(cell);
-      if (n >= columns.size() || !(number >> value) || !std::isfinite(value))
-        return refuse("`" + cell + "` is not a number in a column");
-      (columns[n] < 0 ? r.time : r.rate[columns[n]]) = value;
-      ++n;
-    }
-    if (n != columns.size()) return refuse("has too few columns");
-    if (!(table.empty() ? r.time == 0 : r.time > table.back().time)) return refuse("times must begin with 0 and grow");
-    table.push_back(r);
-  }
-  if (!file.eof() || table.size() < 2) {
-    s.complain("rates", "cannot be read, or holds fewer than two instants");
+    if (instants.size() < 2) throw std::runtime_error(fmt::format("{} holds fewer than two instants", path));
+  } catch (const std::runtime_error& e) {
+    s.complain("rates", e.what());
     return {};
   }
-  return table;
+  return instants;
 }
 
 std::vector<Segment> read_segment(Section& s, const std::string& folder) {
@@ -398,8 +388,11 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
   } else {
     initial.stress = opposite_sign(SymTensor<double>::isotropic(s.number(pressure)));
   }
-  if (const std::optional<Range> range = void_ratios_of(law))
+  if (const std::optional<Range> range = void_ratios_of(law)) {
     initial.void_ratio = s.number({"void_ratio", "1", *range, "void ratio"});
+    if (const std::string why = fault_of_void_ratio(law, initial.void_ratio); !why.empty())
+      s.complain("void_ratio", why);
+  }
   if (tells(law, "kappa"))
     initial.kappa =
         s.optional_number({"kappa", "1", Range::not_negative(),
@@ -416,7 +409,9 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
   return initial;
 }
 
-ElementTest read(Document& document, const std::string& folder) {
+}  // namespace
+
+ElementTest understand_element_test(Document& document, const std::string& folder) {
   ElementTest test;
   Section root = Section::root(document);
   test.title = root.text("title", "what the test is, in one line");
@@ -435,21 +430,33 @@ ElementTest read(Document& document, const std::string& folder) {
   for (Section& s : root.list_of_sections("segment", "the loading path, segment after segment"))
     for (Segment& segment : read_segment(s, folder)) test.segments.push_back(std::move(segment));
   root.close("an element test");
+  double rows = 0;
+  for (const Segment& segment : test.segments) rows += segment.rows;
+  if (rows > most_rows)
+    root.complain(fmt::format("the segments make {:.3g} `rows`; at most {:.0e} are possible", rows, most_rows));
+  if (document.is_right())
+    if (const std::string why = std::visit(
+            [&](const auto& law) {
+              const auto state = law.at_rest(test.initial);
+              const auto* reason = std::get_if<std::string>(&state);
+              return reason ? *reason : "";
+            },
+            test.law);
+        !why.empty())
+      root.section("initial", "").complain("is impossible: " + why);
   return test;
 }
 
-}  // namespace
-
 ElementTestFile read_element_test_text(const std::string& name, std::string_view text, const std::string& folder) {
   Document document(name, text);
-  ElementTest what = read(document, folder);
+  ElementTest what = understand_element_test(document, folder);
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }
 
 ElementTestFile read_element_test(const std::string& path) {
   Document document(path);
-  ElementTest what = read(document, std::filesystem::path(path).parent_path().string());
+  ElementTest what = understand_element_test(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(what), std::move(document.understood())};
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 #include <stdexcept>
@@ -33,6 +34,16 @@ std::string as_text(const toml::table& table) {
   return text.str();
 }
 
+/// The name of something that has files of its own.
+std::string read_name(Section& s, std::string_view meaning, std::vector<std::string>& taken) {
+  const std::string name = s.text("name", meaning);
+  const std::string fault = fault_of_name(name);
+  if (!name.empty() && !fault.empty()) s.complain("name", fault);
+  if (std::find(taken.begin(), taken.end(), name) != taken.end()) s.complain("name", "is taken already");
+  taken.push_back(name);
+  return name;
+}
+
 /// What a `set` key replaces in a test.
 toml::table replacements(Section& s) {
   return s.has("set") ? s.raw_table("set", "keys of the test to replace") : toml::table{};
@@ -51,9 +62,9 @@ Axis read_axis(Section& panel, std::string_view key) {
   return axis;
 }
 
-Panel read_panel(Section& s, const std::vector<CurveSpec>& curves) {
+Panel read_panel(Section& s, const std::vector<CurveSpec>& curves, std::vector<std::string>& taken) {
   Panel panel;
-  panel.name = s.text("name", "name of the panel and of its files");
+  panel.name = read_name(s, "name of the panel and of its files", taken);
   panel.title = s.text("title", "title of the panel", "");
   panel.x = read_axis(s, "x");
   panel.y = read_axis(s, "y");
@@ -124,10 +135,10 @@ std::vector<SweepStep> read_sweep(Section& curve, std::vector<std::string>& colu
     std::vector<std::string> names;
     for (auto&& [key, value] : s.raw_table("values", "numbers of this run, such as { a = 0.5 }")) {
       names.emplace_back(key.str());
-      if (const auto number = value.value<double>())
+      if (const auto number = value.value<double>(); number && std::isfinite(*number))
         step.values.push_back(*number);
       else
-        s.complain("values", fmt::format("has a {} that is no number", std::string(key.str())));
+        s.complain("values", fmt::format("has a {} that is no finite number", key.str()));
     }
     if (columns.empty()) columns = names;
     if (names != columns) s.complain("values", "must name the same numbers in every run of the sweep");
@@ -149,10 +160,12 @@ FigureSpec read_figure(const std::string& folder) {
   figure.note = root.text("note", "what a reader must know", "");
   figure.abscissa = root.text("abscissa", "column along which `at`, `where` and `power` measure", "time");
 
+  std::vector<std::string> reading_folders, curve_files, panel_files;
   std::vector<toml::table> readings;
   if (root.has("reading")) {
     for (Section& s : root.list_of_sections("reading", "ways to read the source")) {
-      figure.readings.push_back({s.text("name", "name of the reading"), s.text("meaning", "what it is", "")});
+      figure.readings.push_back(
+          {read_name(s, "name of the reading", reading_folders), s.text("meaning", "what it is", "")});
       readings.push_back(replacements(s));
       s.close("a reading");
     }
@@ -164,10 +177,9 @@ FigureSpec read_figure(const std::string& folder) {
   std::vector<std::string_view> reading_names;
   for (const Reading& r : figure.readings) reading_names.push_back(r.name);
 
-  std::vector<Complaint> from_tests;
   for (Section& s : root.list_of_sections("curve", "curves, each an element test or runs of a case")) {
     CurveSpec curve;
-    curve.name = s.text("name", "name of the curve");
+    curve.name = read_name(s, "name of the curve", curve_files);
     curve.label = s.text("label", "its name in the legend", curve.name);
     const bool runs_case = s.has("case");
     if (runs_case == s.has("test")) s.complain("must have either a `test` or a `case`");
@@ -207,19 +219,18 @@ FigureSpec read_figure(const std::string& folder) {
           curve.runs.back() = std::move(runs);
         }
       } catch (const InputError& e) {
-        from_tests.insert(from_tests.end(), e.complaints().begin(), e.complaints().end());
+        document.complain(e);
       }
     }
     figure.curves.push_back(std::move(curve));
   }
   for (Section& s : root.list_of_sections("panel", "panels of the figure"))
-    figure.panels.push_back(read_panel(s, figure.curves));
+    figure.panels.push_back(read_panel(s, figure.curves, panel_files));
   if (root.has("statement"))
     for (Section& s : root.list_of_sections("statement", "what is claimed"))
       figure.statements.push_back(read_statement(s));
   root.close("a figure");
   document.finish();
-  if (!from_tests.empty()) throw InputError(from_tests);
   return figure;
 }
 

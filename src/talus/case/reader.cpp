@@ -5,9 +5,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 
+#include "talus/base/file.hpp"
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
 
@@ -21,38 +21,86 @@ std::string as_written(const toml::node& node) {
   if (node.is_string())
     out << '"' << *node.value<std::string_view>() << '"';
   else if (node.is_floating_point())
-    out << fmt::format("{}", *node.value<double>());  // as short as it can be
+    out << fmt::format("{}", node.as_floating_point()->get());  // as short as it can be
   else
     node.visit([&](const auto& n) { out << n; });
   const std::string text = out.str();
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
 
+constexpr std::size_t most_bytes = 1 << 20;  // a polygon of ten thousand corners has a quarter of it
+constexpr int deepest = 16;
+
+/// Where brackets or dotted keys go deeper than in any input, or npos. toml++ makes and removes every level by a call
+/// of its own; a deep text would use up the stack.
+std::size_t too_deep(std::string_view text) {
+  int brackets = 0, dots = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '#') {
+      i = std::min(text.find('\n', i), text.size()) - 1;
+    } else if (c == '"' || c == '\'') {
+      const std::size_t n = text.substr(i, 3) == std::string(3, c) ? 3 : 1;
+      const std::string mark(n, c);
+      for (i += n; i < text.size() && text.substr(i, n) != mark && (n == 3 || text[i] != '\n'); ++i)
+        if (c == '"' && text[i] == '\\') ++i;
+      i += n - 1;
+      for (int more = 0; n == 3 && more < 2 && i + 1 < text.size() && text[i + 1] == c; ++more) ++i;  // """a"""""
+    } else if (c == '.') {
+      if (++dots > deepest) return i;
+    } else if (c == '[' || c == '{') {
+      dots = 0;
+      if (++brackets > deepest) return i;
+    } else if (c == ']' || c == '}') {
+      dots = 0;
+      --brackets;
+    } else if (c == ',' || c == '=' || c == '\n') {
+      dots = 0;
+    }
+  }
+  return text.npos;
+}
+
 toml::table parse(const std::string& name, std::string_view text) {
+  if (text.size() > most_bytes)
+    throw InputError({Complaint{name, 0, 0,
+                                fmt::format("holds {} bytes; at most {} are read. Long lists belong into CSV files",
+                                            text.size(), most_bytes)}});
+  if (const std::size_t at = too_deep(text); at != text.npos) {
+    const std::string_view before = text.substr(0, at);
+    throw InputError({Complaint{name, 1 + int(std::count(before.begin(), before.end(), '\n')),
+                                int(at - (before.rfind('\n') + 1)) + 1,
+                                fmt::format("brackets or dotted keys go deeper than {} levels", deepest)}});
+  }
   try {
     return toml::parse(text, name);
   } catch (const toml::parse_error& e) {
-    throw InputError(
-        {Complaint{name, int(e.source().begin.line), int(e.source().begin.column), std::string(e.description())}});
+    throw InputError({Complaint{name, int(e.source().begin.line), int(e.source().begin.column),
+                                printable(std::string(e.description()))}});
   }
 }
 
-std::string contents_of(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || path.empty()) throw InputError({Complaint{path, 0, 0, "cannot be read"}});
-  return text.str();
+std::string read_text(const std::string& path) {
+  try {
+    return contents_of(path, most_bytes);
+  } catch (const std::runtime_error& e) {
+    throw InputError(e.what());
+  }
 }
 
 }  // namespace
 
-Document::Document(const std::string& path) : Document(path, contents_of(path)) {}
+Document::Document(const std::string& path) : Document(path, read_text(path)) {}
 
 Document::Document(const std::string& name, std::string_view text) : name_(name), root_(parse(name, text)) {}
 
 void Document::complain(const toml::source_region& where, std::string text) {
-  complaints_.push_back({name_, int(where.begin.line), int(where.begin.column), std::move(text)});
+  const toml::source_position& at = where.begin ? where.begin : root_.source().begin;  // a section that is not there
+  complaints_.push_back({name_, int(at.line), int(at.column), printable(text)});
+}
+
+void Document::complain(const InputError& other) {
+  complaints_.insert(complaints_.end(), other.complaints().begin(), other.complaints().end());
 }
 
 void Document::finish() const {
@@ -68,6 +116,38 @@ std::string in_words(const Range& range, std::string_view unit) {
   if (low && high) text += " and ";
   if (high) text += fmt::format("{} {}", range.open_high ? "less than" : "at most", b);
   return text.empty() ? "any number" : text;
+}
+
+namespace {
+
+Asked asked(Asked::Kind kind, const Parameter& p, bool required, int n = 0) {
+  return {.key = std::string(p.key),
+          .kind = kind,
+          .required = required,
+          .meaning = std::string(p.meaning),
+          .unit = std::string(p.unit),
+          .range = p.range,
+          .n = n};
+}
+
+Asked asked(Asked::Kind kind, std::string_view key, bool required, std::string_view meaning) {
+  return {.key = std::string(key), .kind = kind, .required = required, .meaning = std::string(meaning)};
+}
+
+Asked asked(const Option& option, bool required) {
+  Asked a = asked(Asked::Kind::word, option.key, required, option.meaning);
+  for (const Choice& c : option.choices) {
+    a.words.emplace_back(c.word);
+    a.meanings.emplace_back(c.meaning);
+  }
+  return a;
+}
+
+}  // namespace
+
+void Section::ask(Asked asked) {
+  asked.section = path_;
+  document_->asked().push_back(std::move(asked));
 }
 
 const toml::node* Section::find(std::string_view key, std::string_view meaning) {
@@ -89,7 +169,7 @@ std::optional<double> Section::value_of(const toml::node& node, const Parameter&
   double value;
   if (p.unit == "1") {
     if (!node.is_number()) return refuse("is not a plain number");
-    value = *node.value<double>();
+    value = node.is_integer() ? double(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(value)) return refuse("is not finite");
   } else {
     if (node.is_number()) return refuse("lacks its unit; write " + example_of(p.unit));
@@ -112,6 +192,7 @@ void Section::note(std::string_view key, std::string value, std::string_view mea
 }
 
 double Section::number(const Parameter& p) {
+  ask(asked(Asked::Kind::number, p, true));
   const toml::node* node = require(p.key, p.meaning);
   const std::optional<double> value = node ? value_of(*node, p, full(p.key)) : std::nullopt;
   if (value) understand(p.key, with_unit(*value, p.unit), false, p.meaning);
@@ -127,6 +208,7 @@ double Section::number(const Parameter& p, double by_default, std::string_view r
 }
 
 std::optional<double> Section::optional_number(const Parameter& p) {
+  ask(asked(Asked::Kind::number, p, false));
   const toml::node* node = find(p.key, p.meaning);
   const std::optional<double> value = node ? value_of(*node, p, full(p.key)) : std::nullopt;
   if (value) understand(p.key, with_unit(*value, p.unit), false, p.meaning);
@@ -134,6 +216,7 @@ std::optional<double> Section::optional_number(const Parameter& p) {
 }
 
 bool Section::flag(std::string_view key, bool by_default, std::string_view meaning) {
+  ask(asked(Asked::Kind::flag, key, false, meaning));
   const toml::node* node = find(key, meaning);
   if (node && !node->is_boolean()) complain(key, fmt::format("is neither true nor false: {}", meaning));
   const bool value = node ? node->value<bool>().value_or(by_default) : by_default;
@@ -142,6 +225,7 @@ bool Section::flag(std::string_view key, bool by_default, std::string_view meani
 }
 
 int Section::whole_number(std::string_view key, int low, int high, int by_default, std::string_view meaning) {
+  ask(asked(Asked::Kind::whole_number, {key, "1", Range::between(low, high), meaning}, false));
   const toml::node* node = find(key, meaning);
   int value = by_default;
   if (node) {
@@ -155,25 +239,40 @@ int Section::whole_number(std::string_view key, int low, int high, int by_defaul
   return value;
 }
 
-std::string Section::text(std::string_view key, std::string_view meaning) {
-  const toml::node* node = require(key, meaning);
-  if (!node) return "";
-  if (!node->is_string()) {
+std::string Section::text_at(std::string_view key, const toml::node& node, std::string_view meaning) {
+  if (!node.is_string()) {
     complain(key, fmt::format("is not a text in quotes: {}", meaning));
     return "";
   }
-  std::string value = *node->value<std::string>();
+  const std::string& value = node.as_string()->get();
+  std::string lines = value;  // may be several, with tabs
+  std::erase_if(lines, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
+  if (printable(lines) != lines) {
+    complain(key, fmt::format("holds a control character: {}", meaning));
+    return "";
+  }
   understand(key, value, false, meaning);
   return value;
 }
 
+std::string Section::text(std::string_view key, std::string_view meaning) {
+  ask(asked(Asked::Kind::text, key, true, meaning));
+  const toml::node* node = require(key, meaning);
+  if (!node) return "";
+  if (node->is_string() && node->as_string()->get().empty())
+    complain(key, fmt::format("must not be empty: {}", meaning));
+  return text_at(key, *node, meaning);
+}
+
 std::string Section::text(std::string_view key, std::string_view meaning, std::string_view by_default) {
-  if (find(key, meaning)) return text(key, meaning);
+  ask(asked(Asked::Kind::text, key, false, meaning));
+  if (const toml::node* node = find(key, meaning)) return text_at(key, *node, meaning);
   understand(key, std::string(by_default), true, meaning);
   return std::string(by_default);
 }
 
 int Section::choice(const Option& option) {
+  ask(asked(option, false));
   const toml::node* node = find(option.key, option.meaning);
   std::vector<std::string_view> words;
   for (const Choice& c : option.choices) words.push_back(c.word);
@@ -198,11 +297,13 @@ int Section::choice(const Option& option) {
 }
 
 int Section::required_choice(const Option& option) {
+  ask(asked(option, true));
   if (!require(option.key, option.meaning)) return 0;
   return choice(option);
 }
 
 std::vector<double> Section::numbers(const Parameter& p, int n) {
+  ask(asked(Asked::Kind::numbers, p, true, n));
   const std::vector<double> harmless(std::max(n, 1), 0.0);
   const toml::node* node = require(p.key, p.meaning);
   if (!node) return harmless;
@@ -225,6 +326,7 @@ std::vector<double> Section::numbers(const Parameter& p, int n) {
 }
 
 std::vector<std::vector<double>> Section::points(const Parameter& p, int n) {
+  ask(asked(Asked::Kind::points, p, true, n));
   const toml::node* node = require(p.key, p.meaning);
   if (!node) return {};
   const toml::array* list = node->as_array();
@@ -255,6 +357,9 @@ std::vector<std::vector<double>> Section::points(const Parameter& p, int n) {
 
 std::vector<std::string> Section::words(std::string_view key, const std::vector<std::string_view>& known,
                                         const std::vector<std::string_view>& by_default, std::string_view meaning) {
+  Asked a = asked(Asked::Kind::words, key, false, meaning);
+  a.words.assign(known.begin(), known.end());
+  ask(std::move(a));
   const toml::node* node = find(key, meaning);
   std::vector<std::string> words;
   if (!node) {
@@ -275,6 +380,8 @@ std::vector<std::string> Section::words(std::string_view key, const std::vector<
       document_->complain(item.source(), fmt::format("{} = {} is not known here; {}", full(key), as_written(item),
                                                      alike.empty() ? "there is " + any_of(known)
                                                                    : fmt::format("did you mean `{}`?", alike)));
+    } else if (std::find(words.begin(), words.end(), word) != words.end()) {
+      document_->complain(item.source(), fmt::format("{} names {} twice", full(key), as_written(item)));
     } else {
       words.emplace_back(word);
     }
@@ -289,6 +396,7 @@ Section Section::empty(const Section& parent, std::string_view key) {
 }
 
 Section Section::section(std::string_view key, std::string_view meaning) {
+  ask(asked(Asked::Kind::section, key, true, meaning));
   const toml::node* node = require(key, meaning);
   const toml::table* table = node ? node->as_table() : nullptr;
   if (node && !table) complain(key, fmt::format("must be a section [{}]: {}", full(key), meaning));
@@ -298,13 +406,8 @@ Section Section::section(std::string_view key, std::string_view meaning) {
   return s;
 }
 
-std::optional<Section> Section::optional_section(std::string_view key) {
-  const toml::node* node = find(key, "");
-  if (!node) return std::nullopt;
-  return section(key, "");
-}
-
 toml::table Section::raw_table(std::string_view key, std::string_view meaning) {
+  ask(asked(Asked::Kind::anything, key, true, meaning));
   const toml::node* node = require(key, meaning);
   const toml::table* table = node ? node->as_table() : nullptr;
   if (node && !table) complain(key, fmt::format("must be a table: {}", meaning));
@@ -312,6 +415,7 @@ toml::table Section::raw_table(std::string_view key, std::string_view meaning) {
 }
 
 std::vector<std::pair<std::string, Section>> Section::named_sections(std::string_view key, std::string_view meaning) {
+  ask(asked(Asked::Kind::names, key, true, meaning));
   const toml::node* node = require(key, meaning);
   std::vector<std::pair<std::string, Section>> sections;
   if (!node) return sections;
@@ -325,6 +429,8 @@ std::vector<std::pair<std::string, Section>> Section::named_sections(std::string
   std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   for (const auto& [where, name] : order) {
     const toml::table* inner = table->get(name->str())->as_table();
+    if (const std::string fault = fault_of_name(name->str()); !fault.empty())
+      document_->complain(name->source(), fmt::format("{}.{} {}", full(key), name->str(), fault));
     if (inner)
       sections.emplace_back(std::string(name->str()),
                             Section(*document_, *inner, full(key) + "." + std::string(name->str())));
@@ -336,6 +442,7 @@ std::vector<std::pair<std::string, Section>> Section::named_sections(std::string
 }
 
 std::vector<Section> Section::list_of_sections(std::string_view key, std::string_view meaning) {
+  ask(asked(Asked::Kind::list, key, true, meaning));
   const toml::node* node = require(key, meaning);
   std::vector<Section> sections;
   if (!node) return sections;

@@ -17,27 +17,50 @@
 
 namespace talus {
 
+/// A key that a reader has asked for, whether it was there or not, and what it takes.
+struct Asked {
+  enum class Kind { anything, number, whole_number, numbers, points, flag, text, word, words, section, list, names };
+
+  std::string section{};  ///< path of the table that it belongs to
+  std::string key{};
+  Kind kind = Kind::anything;
+  bool required = false;
+  std::string meaning{};
+  std::string unit = "1";  ///< of numbers
+  Range range{};
+  int n = 0;  ///< of `numbers` how many there must be, of `points` how many coordinates; 0: any number
+  std::vector<std::string> words{};  ///< that it takes
+  std::vector<std::string> meanings{};
+};
+
 /// The document, its complaints and what was understood so far.
 class Document {
  public:
-  /// Parses a file. A file that is no TOML, or cannot be read, is an InputError at once.
+  /// Parses a file. One that is no TOML, cannot be read, or is larger or nests deeper than any input does, is an
+  /// InputError at once.
   explicit Document(const std::string& path);
   /// Parses a text, under a name for messages.
   Document(const std::string& name, std::string_view text);
 
   void complain(const toml::source_region& where, std::string text);
+  /// Takes over the complaints about another file.
+  void complain(const InputError& other);
   /// Throws all complaints, if there are any.
   void finish() const;
+  /// Whether there are none so far, so that what was read means something.
+  bool is_right() const { return complaints_.empty(); }
 
   const toml::table& root() const { return root_; }
   const std::string& name() const { return name_; }
   std::vector<Understood>& understood() { return understood_; }
+  std::vector<Asked>& asked() { return asked_; }
 
  private:
   std::string name_;
   toml::table root_;
   std::vector<Complaint> complaints_;
   std::vector<Understood> understood_;
+  std::vector<Asked> asked_;
 };
 
 /// A table of the document. Every read marks its key; `close` refuses the keys nobody read.
@@ -49,7 +72,10 @@ class Section {
   static Section empty(const Section& parent, std::string_view key);
 
   /// Whether there is a key, which from then on counts as one that may be there.
-  bool has(std::string_view key) { return find(key, "") != nullptr; }
+  bool has(std::string_view key) {
+    ask({.key = std::string(key)});
+    return find(key, "") != nullptr;
+  }
   const std::string& path() const { return path_; }
 
   /// A number that must be there, or one with a default. With a unit other than "1" it is a text like "2 mm".
@@ -78,7 +104,6 @@ class Section {
 
   /// A table that must be there; an empty one in its place if it is not.
   Section section(std::string_view key, std::string_view meaning);
-  std::optional<Section> optional_section(std::string_view key);
   /// A table that must be there and whose keys are not this document's business.
   toml::table raw_table(std::string_view key, std::string_view meaning);
   /// The tables [key.NAME], in the order of the file.
@@ -87,12 +112,19 @@ class Section {
   std::vector<Section> list_of_sections(std::string_view key, std::string_view meaning);
 
   /// Whether a key holds just this text.
-  bool is_text(std::string_view key, std::string_view text) const {
+  bool is_text(std::string_view key, std::string_view text) {
+    ask({.key = std::string(key), .kind = Asked::Kind::word, .words = {std::string(text)}, .meanings = {""}});
     return table_->get(key) && table_->get(key)->value<std::string_view>() == text;
   }
 
   /// Whether a key holds a table.
-  bool is_table(std::string_view key) const { return table_->get(key) && table_->get(key)->is_table(); }
+  bool is_table(std::string_view key) {
+    ask({.key = std::string(key), .kind = Asked::Kind::section});
+    return table_->get(key) && table_->get(key)->is_table();
+  }
+
+  /// Whether nothing is wrong with the document so far, so that what was read means something.
+  bool is_right() const { return document_->is_right(); }
 
   /// Complains about a key that was read, or about the section.
   void complain(std::string_view key, std::string_view text);
@@ -107,12 +139,15 @@ class Section {
   Section(Document& document, const toml::table& table, std::string path)
       : document_(&document), table_(&table), path_(std::move(path)) {}
 
+  void ask(Asked asked);
   const toml::node* find(std::string_view key, std::string_view meaning);
   const toml::node* require(std::string_view key, std::string_view meaning);
   std::optional<double> value_of(const toml::node& node, const Parameter& p, const std::string& name);
   std::string full(std::string_view key) const {
     return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
   }
+  /// The text at a key that is there.
+  std::string text_at(std::string_view key, const toml::node& node, std::string_view meaning);
   void understand(std::string_view key, std::string value, bool by_default, std::string_view meaning);
 
   Document* document_;

@@ -100,6 +100,7 @@ struct GranularOf {
   double critical_friction() const { return frictional.critical_friction(); }
   Stiffening stiffening(double e) const { return frictional.stiffening(e); }
   double grain_density() const { return collisional.rho_s; }
+  double closest_packing() const { return collisional.Phi_c; }
   double earth_pressure_at_rest() const { return frictional.earth_pressure_at_rest(); }
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {

@@ -4,23 +4,13 @@
 
 #include "talus/base/error.hpp"
 #include "talus/case/filling.hpp"
+#include "talus/case/start.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
 namespace talus {
 
 namespace {
-
-template <class Law>
-double bulk_density(const Law& law, const Material& material, const BodySpec& spec) {
-  if constexpr (requires { law.grain_density(); }) {
-    static_assert(HasVoidRatio<Law>,
-                  "a law that knows the density of its grains also says which `void_ratios` it takes");
-    return law.grain_density() / (1 + *spec.void_ratio);
-  } else {
-    return material.density;
-  }
-}
 
 template <int Dim>
 Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
@@ -39,19 +29,9 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
         Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>, extras), {}};
         Particles<Dim>& p = body.particles;
         p.resize(n);
-        const double density = bulk_density(law, material, spec);
-        double weight = 0;  // gravity along the vertical axis, downwards
-        if (spec.initial_stress == InitialStress::k0) weight = -density * what.gravity[Dim - 1];
+        const double density = bulk_density(material, spec);
         for (int i = 0; i < n; ++i) {
-          InitialState initial;
-          if (weight > 0) {
-            const double vertical = weight * depth_below_surface(spec.region, points[i], Dim);
-            const double horizontal = law.earth_pressure_at_rest() * vertical;
-            initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
-            initial.stress[Dim - 1] = -vertical;
-          }
-          initial.void_ratio = spec.void_ratio.value_or(0);
-          const auto state = law.at_rest(initial);
+          const auto state = law.at_rest(initial_state(what, spec, depth_below_surface(spec.region, points[i], Dim)));
           if (const auto* reason = std::get_if<std::string>(&state))
             throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
           const auto& at_rest = std::get<typename Law::template State<double>>(state);

@@ -1,0 +1,146 @@
+#include "talus/case/check_together.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "talus/base/units.hpp"
+#include "talus/case/filling.hpp"
+#include "talus/case/start.hpp"
+
+namespace talus {
+
+namespace {
+
+/// Places that a lattice may have in the box around a body; each is looked at.
+constexpr double most_places = 1e9;
+constexpr double most_steps = 1e12;
+
+/// The smallest box around a solid where it begins; around a half-space, what it has of the domain.
+Box bounding_box_of(const SolidShape& shape, const Case& what) {
+  return std::visit(
+      [&]<class Shape>(const Shape& s) -> Box {
+        if constexpr (std::same_as<Shape, HalfSpace>) {
+          double lowest = 0;  // of the domain's corners, seen from the plane
+          for (int a = 0; a < what.dim; ++a)
+            lowest += s.normal[a] * ((s.normal[a] > 0 ? what.domain.min[a] : what.domain.max[a]) - s.point[a]);
+          return lowest < 0 ? what.domain : Box{what.domain.max, what.domain.max};
+        } else if constexpr (std::same_as<Shape, Sphere>) {
+          const Vec<3> r{s.radius, s.radius, s.radius};
+          return {s.centre - r, s.centre + r};
+        } else {
+          return bounding_box(s, what.dim);
+        }
+      },
+      shape);
+}
+
+bool overlap(const Box& a, const Box& b, int dim) {
+  bool overlap = true;
+  for (int i = 0; i < dim; ++i) overlap &= a.min[i] < b.max[i] && b.min[i] < a.max[i];
+  return overlap;
+}
+
+/// Whether a solid may come into the domain: where it begins, or in the box around all that it passes.
+bool may_come_in(const Solid& solid, const Case& what) {
+  const PrescribedMotion& motion = solid.motion;
+  if (dot(motion.velocity_after, motion.velocity_after) > 0) return true;
+  if (std::holds_alternative<HalfSpace>(solid.shape) && !motion.times.empty()) return true;
+  Box box = bounding_box_of(solid.shape, what);
+  const Box start = box;
+  for (const Vec<3>& d : motion.displacements)
+    for (int a = 0; a < what.dim; ++a) {
+      box.min[a] = std::min(box.min[a], start.min[a] + d[a]);
+      box.max[a] = std::max(box.max[a], start.max[a] + d[a]);
+    }
+  return overlap(box, what.domain, what.dim);
+}
+
+/// Complains where a solid holds particles of a body.
+void expect_apart(Section& s, const Solid& solid, const BodySpec& body, const std::vector<Vec<3>>& particles,
+                  const Case& what) {
+  double deepest = 0;
+  Vec<3> at{};
+  for (const Vec<3>& x : particles)
+    if (const double depth = -solid.at(x, 0, what.dim).distance; depth > deepest) {
+      deepest = depth;
+      at = x;
+    }
+  if (deepest > 1e-6 * what.cell)
+    s.complain(fmt::format("overlaps body `{}` at the start: the particle at ({}) lies {} inside", body.name,
+                           fmt::join(&at[0], &at[0] + what.dim, ", "), with_unit(deepest, "m")));
+}
+
+}  // namespace
+
+void check_together(Section& root, const Case& what) {
+  const double most_filled = what.solids.empty() ? 1e7 : 1e8;
+  std::vector<std::vector<Vec<3>>> particles(what.bodies.size());
+  std::vector<Box> boxes;
+  std::vector<std::pair<std::string, Section>> sections = root.named_sections("body", "");
+  // The fastest signal at the start [m/s], as in mpm/time_step.hpp.
+  double signal = 0;
+  for (std::size_t b = 0; b < what.bodies.size(); ++b) {
+    const BodySpec& body = what.bodies[b];
+    Section& s = sections[b].second;
+    boxes.push_back(bounding_box(body.region, what.dim));
+    const double places = lattice_places(what, body);
+    if (!(places <= most_places))
+      s.complain("spacing", fmt::format("makes a lattice of {:.3g} places around the body; at most {:.0e} are possible",
+                                        places, most_places));
+    if (!(places <= most_filled)) continue;
+    particles[b] = fill(what, body).points;
+    if (particles[b].empty()) s.complain("holds no particles: its `spacing` is larger than the body");
+    double depth = 0;
+    for (const Vec<3>& x : particles[b]) depth = std::max(depth, depth_below_surface(body.region, x, what.dim));
+    const auto speed = wave_speed_at_rest(what, body, depth);
+    if (const auto* why = std::get_if<std::string>(&speed))
+      s.complain("initial_stress",
+                 fmt::format("cannot be carried {} below the surface: {}", with_unit(depth, "m"), *why));
+    else
+      signal = std::max(signal, std::get<double>(speed) + 1.3 * std::sqrt(dot(body.velocity, body.velocity)));
+  }
+  for (std::size_t a = 0; a < what.bodies.size(); ++a)
+    std::visit(
+        [&](const auto& region) {
+          if constexpr (requires { SolidShape(region); })
+            for (std::size_t b = 0; b < what.bodies.size(); ++b)
+              if (a != b && overlap(boxes[a], boxes[b], what.dim))
+                expect_apart(sections[a].second, Solid{"", region, {}, {}}, what.bodies[b], particles[b], what);
+        },
+        what.bodies[a].region);
+  if (!what.solids.empty()) {
+    auto solids = root.named_sections("solid", "");
+    for (std::size_t i = 0; i < what.solids.size(); ++i) {
+      if (!may_come_in(what.solids[i], what)) solids[i].second.complain("never comes into the domain");
+      for (std::size_t b = 0; b < what.bodies.size(); ++b)
+        if (overlap(bounding_box_of(what.solids[i].shape, what), boxes[b], what.dim))
+          expect_apart(solids[i].second, what.solids[i], what.bodies[b], particles[b], what);
+    }
+  }
+  const double crossing = what.cell / signal, share = what.numerics.cfl * crossing,
+               falling = what.numerics.cfl * std::sqrt(what.cell / std::sqrt(dot(what.gravity, what.gravity)));
+  if (what.numerics.dt && *what.numerics.dt > crossing) {
+    Section s = root.section("numerics", "");
+    s.complain("dt", fmt::format("is not stable: at the start, waves and particles cross a cell in {}; with `cfl` = {} "
+                                 "the step would be {}",
+                                 with_unit(crossing, "s"), what.numerics.cfl, with_unit(share, "s")));
+  }
+  const double steps = what.end / what.numerics.dt.value_or(std::min(share, falling));
+  if (!(steps <= most_steps)) {
+    Section s = root.section("run", "");
+    s.complain("end", fmt::format("takes about {:.3g} steps; at most {:.0e} are possible", steps, most_steps));
+  }
+  const std::vector<double>& pictures = what.output.pictures;
+  for (std::size_t i = 1; i < pictures.size(); ++i)
+    if (std::find(pictures.begin(), pictures.begin() + std::ptrdiff_t(i), pictures[i]) <
+        pictures.begin() + std::ptrdiff_t(i)) {
+      Section s = root.section("output", "");
+      s.complain("pictures", fmt::format("names {} twice", with_unit(pictures[i], "s")));
+      break;
+    }
+}
+
+}  // namespace talus
