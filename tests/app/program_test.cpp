@@ -48,9 +48,9 @@ TEST_F(Program, ARunLeavesEverythingItShould) {
   EXPECT_TRUE(has(run.output, "report:")) << run.output;
   EXPECT_TRUE(has(run.output, "picture:")) << run.output;
   const fs::path out = folder_ / "bar";
-  for (const char* file :
-       {"case.toml", "history.csv", "record.json", "report.html", "particles.hdf.series", "particles_0000.hdf",
-        "pictures/speed.png", "pictures/speed.gp", "pictures/instant_0.csv", "pictures/front.svg"})
+  for (const char* file : {"case.toml", "history.csv", "surface.csv", "record.json", "report.html",
+                           "particles.hdf.series", "particles_0000.hdf", "pictures/speed.png", "pictures/speed.gp",
+                           "pictures/instant_0.csv", "pictures/front.svg"})
     EXPECT_TRUE(fs::exists(out / file)) << file;
   EXPECT_EQ(contents(out / "case.toml"), contents(cases + "elastic_bar.toml"));
   const std::string history = contents(out / "history.csv");
@@ -207,7 +207,7 @@ TEST_F(Program, ACylinderAroundAnAxisIsReportedByItsRadius) {
   const Finished run = talus("run " + write("round.toml", text) + " --until '5 ms' --out " + in("round"));
   ASSERT_EQ(run.code, 0) << run.output;
   const std::string report = contents(folder_ / "round/report.html");
-  EXPECT_TRUE(has(report, "largest radius"));
+  EXPECT_TRUE(has(report, "<td>radius</td>"));
   EXPECT_FALSE(has(report, "right front"));
   EXPECT_TRUE(has(report, "per radian"));
   const auto record = nlohmann::json::parse(contents(folder_ / "round/record.json"));
@@ -285,6 +285,85 @@ TEST_F(Program, FiguresAreRemadeWithVerdictsPicturesAndTestsThatRunAgain) {
   const Finished unknown = talus("reproduce figur_03 --from " TALUS_SOURCE_DIR "/validation --out " + in("none"));
   EXPECT_EQ(unknown.code, 2);
   EXPECT_TRUE(has(unknown.output, "did you mean `figure_03`")) << unknown.output;
+}
+
+TEST_F(Program, AFigureShowsHistoriesSurfacesAndSweepsOfRunsAndKeepsThoseThatAreFinished) {
+  // A block falls and moves sideways at a speed v that nothing changes, so its front is at 0.3 m + v t.
+  fs::create_directories(folder_ / "figures/fall");
+  write("figures/fall/measured.csv", "time,front\n0,0.3\n0.1,0.31\n");
+  write("figures/fall/figure.toml", R"toml(title = "falls"
+source = "mechanics"
+[[curve]]
+name = "run"
+label = "computed"
+case = ")toml" + cases + R"toml(free_fall.toml"
+measured = { file = "measured.csv" }
+[[curve]]
+name = "surface"
+case = ")toml" + cases + R"toml(free_fall.toml"
+surface_at = "0.101 s"
+abscissa = "radius"
+[[curve]]
+name = "sweep"
+case = ")toml" + cases + R"toml(free_fall.toml"
+sweep = [
+  { values = { v = 0.1 }, set = {} },
+  { values = { v = 0.2 }, set = { body.block.velocity = ["0.2 m/s", "0 m/s", "0 m/s"] } },
+]
+[[curve]]
+name = "watched"
+label = "seen with own eyes"
+measured = { file = "measured.csv" }
+[[panel]]
+name = "front"
+x = { value = "time", measured = "time" }
+y = { value = "front_x_max", measured = "front" }
+curves = ["run", "watched"]
+[[table]]
+title = "Where they are"
+curves = ["run", "sweep"]
+[[table.column]]
+label = "front [mm]"
+value = "1000*front_x_max"
+digits = 0
+[[statement]]
+text = "the front keeps its speed"
+number = 'largest("sweep: abs(front_x_max - 0.3 - v*time)")'
+meaning = "distance"
+at_most = 1e-9
+[[statement]]
+text = "it is where it was seen"
+number = 'deviation("run: front")'
+meaning = "distance"
+at_most = 1e-9
+[[statement]]
+text = "the surface is that of the snapshot at 0.102 s, the nearest"
+number = 'last("surface: time")'
+meaning = "time"
+at_least = 0.102
+at_most = 0.1035
+)toml");
+  const std::string command = "reproduce fall --threads 1 --from " + in("figures") + " --out " + in("pages");
+  const Finished run = talus(command);
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "3 of 3 claims hold")) << run.output;
+  const fs::path out = folder_ / "pages/fall";
+  EXPECT_TRUE(fs::exists(out / "run/report.html"));
+  EXPECT_FALSE(fs::exists(out / "surface")) << "the same case is run once";
+  EXPECT_FALSE(fs::exists(out / "sweep_1"));
+  EXPECT_TRUE(fs::exists(out / "sweep_2/report.html"));
+  const std::string page = contents(out / "index.html");
+  EXPECT_TRUE(has(page, "<h3>Where they are</h3>"));
+  EXPECT_TRUE(has(page, "<td class=\"n\">330</td>"));  // 0.3 m + 0.1 m/s 0.3 s, and the first step after
+  EXPECT_TRUE(has(page, "<td class=\"n\">360</td>"));
+  const std::string script = contents(out / "front.gp");
+  EXPECT_TRUE(has(script, "'computed, measured'"));
+  EXPECT_TRUE(has(script, "'seen with own eyes'"));
+
+  const auto written = fs::last_write_time(out / "run/report.html");
+  const Finished again = talus(command);
+  EXPECT_TRUE(has(again.output, "3 of 3 claims hold")) << again.output;
+  EXPECT_EQ(fs::last_write_time(out / "run/report.html"), written);
 }
 
 TEST_F(Program, WhatItDoesNotKnowItSays) {

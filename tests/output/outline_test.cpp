@@ -2,32 +2,44 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 namespace talus {
 namespace {
 
-/// A row of particles 0.1 apart from x = -1 to 1 and of height 0.5, cells of 0.2.
-ParticlePlaces heap() {
-  ParticlePlaces p;
-  for (int i = -10; i <= 10; ++i)
-    for (int j = 0; j < 5; ++j) {
-      p.places.push_back({0.1 * i, 0.05 + 0.1 * j, 0});
-      p.sizes.push_back(0.1);
-    }
-  return p;
-}
-
-Case plane() {
+/// Cells of 0.2 from -2 to 2, deposits end where they are `level` thick.
+Case plane(double level = 0.1) {
   Case what;
   what.dim = 2;
   what.cell = 0.2;
+  what.domain = {{-2, 0, 0}, {2, 2, 0}};
+  what.n_cells = {20, 10, 1};
+  what.output.front_thickness = level;
   return what;
+}
+
+/// Adds a particle of edge 0.1.
+void put(ParticlePlaces& p, double x, double y, double z = 0) {
+  p.places.push_back({x, y, z});
+  p.sizes.push_back(0.1);
+}
+
+/// Particles 0.1 apart from x = -1 to 1 and 0.5 high.
+ParticlePlaces heap() {
+  ParticlePlaces p;
+  for (int i = -10; i <= 10; ++i)
+    for (int j = 0; j < 5; ++j) put(p, 0.1 * i, 0.05 + 0.1 * j);
+  return p;
 }
 
 TEST(Outline, SurfacesLieHalfAParticleBeyondTheCentres) {
   const ParticlePlaces p = heap();
-  const Outline o = OutlineFinder(plane(), p).find(p.places);
+  const Outline o = OutlineFinder(plane(), p).find(p);
   EXPECT_NEAR(o.front_min[0], -1.05, 1e-12);
   EXPECT_NEAR(o.front_max[0], 1.05, 1e-12);
+  EXPECT_NEAR(o.farthest_min[0], -1.05, 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 1.05, 1e-12);
   EXPECT_NEAR(o.height, 0.5, 1e-12);
   EXPECT_NEAR(o.height_at_axis, 0.5, 1e-12);
 }
@@ -35,27 +47,152 @@ TEST(Outline, SurfacesLieHalfAParticleBeyondTheCentres) {
 TEST(Outline, GrainsThrownFarAheadDoNotCount) {
   ParticlePlaces p = heap();
   const OutlineFinder finder(plane(), p);
-  p.places[0] = {3, 0.05, 0};
-  p.places[1] = {0.1, 4, 0};
-  const Outline o = finder.find(p.places);
+  p.places[0] = {1.7, 0.05, 0};
+  p.places[1] = {1.7, 0.15, 0};
+  p.places[2] = {0.1, 1.9, 0};
+  const Outline o = finder.find(p);
   EXPECT_NEAR(o.front_max[0], 1.05, 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 1.05, 1e-12);
   EXPECT_NEAR(o.height, 0.5, 1e-12);
 }
 
-TEST(Outline, TheRadiusIsMeasuredFromTheAxisOfTheStart) {
+TEST(Outline, ASheetThinnerThanTheDepositsEdgeIsAheadOfTheFront) {
+  ParticlePlaces p = heap();
+  for (int i = 11; i <= 15; ++i) put(p, 0.1 * i, 0.05);
+  const Outline o = OutlineFinder(plane(0.25), p).find(p);
+  // The strip from 0.8 to 1 is 0.5 thick; the next holds 0.05 x 0.5 of the heap and 0.15 x 0.1 of the sheet: 0.2. Between
+  // their middles the line falls to 0.25 at 0.9 + 0.2 (0.5 - 0.25)/(0.5 - 0.2).
+  EXPECT_NEAR(o.front_max[0], 0.9 + 0.2 * 0.25 / 0.3, 1e-12);
+  // On the left the strip at the edge holds 0.05 x 0.5: 0.125.
+  EXPECT_NEAR(o.front_min[0], -(0.9 + 0.2 * 0.25 / 0.375), 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 1.55, 1e-12);
+}
+
+TEST(Outline, AWedgeEndsWhereItIsAsThickAsAsked) {
+  ParticlePlaces p;  // ten columns of 0.1, 10, 9, ..., 1 particles high: 1.05 - x thick in the middle of each pair
+  for (int i = 0; i < 10; ++i)
+    for (int j = 0; j < 10 - i; ++j) put(p, 0.05 + 0.1 * i, 0.05 + 0.1 * j);
+  const Outline o = OutlineFinder(plane(0.2), p).find(p);
+  EXPECT_NEAR(o.front_max[0], 0.85, 1e-12);
+  EXPECT_NEAR(o.front_min[0], 0, 1e-12);
+  ASSERT_EQ(o.surface.places.size(), 7u);  // and an empty strip on either side
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_NEAR(o.surface.places[k + 1], 0.1 + 0.2 * k, 1e-12);
+    EXPECT_NEAR(o.surface.thickness[k + 1], 0.95 - 0.2 * k, 1e-12);
+  }
+  EXPECT_EQ(o.surface.thickness[0], 0);
+  EXPECT_EQ(o.surface.thickness[6], 0);
+}
+
+TEST(Outline, TheDepositIsThePieceThatHoldsMost) {
+  ParticlePlaces p = heap();
+  for (int j = 0; j < 5; ++j) {
+    put(p, 1.5, 0.05 + 0.1 * j);
+    put(p, 1.6, 0.05 + 0.1 * j);
+  }
+  EXPECT_NEAR(OutlineFinder(plane(), p).find(p).front_max[0], 1.05, 1e-12);
+}
+
+TEST(Outline, MaterialThinnerThanAskedHasNoFront) {
+  const ParticlePlaces p = heap();
+  const Outline o = OutlineFinder(plane(0.6), p).find(p);
+  EXPECT_TRUE(std::isnan(o.front_max[0]));
+  EXPECT_NEAR(o.farthest_max[0], 1.05, 1e-12);
+}
+
+TEST(Outline, ParticlesThatAreNowhereDoNotCount) {
+  ParticlePlaces p = heap();
+  const OutlineFinder finder(plane(), p);
+  p.places[52] = {std::nan(""), std::nan(""), 0};  // one of five in the middle
+  EXPECT_NEAR(finder.find(p).front_max[0], 1.05, 1e-12);
+}
+
+/// A block of `n` x `n` x 3 particles around (1, 2).
+ParticlePlaces block(int n) {
   ParticlePlaces p;
-  for (int i = -5; i <= 5; ++i)
-    for (int j = -5; j <= 5; ++j) {
-      p.places.push_back({1 + 0.1 * i, 2 + 0.1 * j, 0.05});
-      p.sizes.push_back(0.1);
-    }
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < 3; ++k) put(p, 1 + 0.1 * (i - (n - 1) / 2.0), 2 + 0.1 * (j - (n - 1) / 2.0), 0.05 + 0.1 * k);
+  return p;
+}
+
+Case space() {
   Case what = plane();
   what.dim = 3;
-  EXPECT_NEAR(OutlineFinder(what, p).find(p.places).radius, 0.5 * std::sqrt(2) + 0.05, 1e-12);
-  // in a quarter the axis is the corner of the planes
-  what.domain = {{0.5, 1.5, 0}, {4, 4, 1}};
+  what.domain = {{0, 0, 0}, {2, 4, 1}};
+  what.n_cells = {10, 20, 5};
+  return what;
+}
+
+TEST(Outline, In3DFrontsAreAlongBothAxesAndRadiiFromTheAxisOfTheStart) {
+  const ParticlePlaces p = block(12);
+  const Outline o = OutlineFinder(space(), p).find(p);
+  EXPECT_NEAR(o.front_min[0], 0.4, 1e-12);
+  EXPECT_NEAR(o.front_max[0], 1.6, 1e-12);
+  EXPECT_NEAR(o.front_min[1], 1.4, 1e-12);
+  EXPECT_NEAR(o.front_max[1], 2.6, 1e-12);
+  EXPECT_NEAR(o.farthest_radius, 0.55 * std::sqrt(2) + 0.05, 1e-12);
+  // On average around the axis the square is thinner than 0.1 beyond the circle that has a third of its rim inside.
+  EXPECT_GT(o.front_radius, 0.6);
+  EXPECT_LT(o.front_radius, 0.6 * std::sqrt(2));
+  // Material is neither lost nor made: rings of area 2 pi r dr.
+  double volume = 0;
+  for (std::size_t i = 0; i < o.surface.places.size(); ++i)
+    volume += o.surface.thickness[i] * 2 * std::numbers::pi * o.surface.places[i] * 0.2;
+  EXPECT_NEAR(volume, 1.2 * 1.2 * 0.3, 1e-12);
+}
+
+TEST(Outline, AQuarterHasTheOutlineOfTheWhole) {
+  const ParticlePlaces whole = block(12);
+  ParticlePlaces quarter;
+  for (const Vec<3>& x : whole.places)
+    if (x[0] > 1 && x[1] > 2) put(quarter, x[0], x[1], x[2]);
+  Case what = space();
+  const Outline all = OutlineFinder(what, whole).find(whole);
+  what.domain.min = {1, 2, 0};
+  what.n_cells = {5, 10, 5};
   what.walls[0] = what.walls[2] = WallKind::symmetry;
-  EXPECT_NEAR(OutlineFinder(what, p).find(p.places).radius, std::sqrt(2) + 0.05, 1e-12);
+  const Outline part = OutlineFinder(what, quarter).find(quarter);
+  EXPECT_NEAR(part.front_min[0], 1, 1e-12);
+  EXPECT_NEAR(part.front_max[0], all.front_max[0], 1e-12);
+  EXPECT_NEAR(part.front_radius, all.front_radius, 1e-12);
+  EXPECT_NEAR(part.farthest_radius, all.farthest_radius, 1e-12);
+  ASSERT_EQ(part.surface.thickness.size(), all.surface.thickness.size());
+  for (std::size_t i = 0; i < all.surface.thickness.size(); ++i)
+    EXPECT_NEAR(part.surface.thickness[i], all.surface.thickness[i], 1e-12);
+}
+
+TEST(Outline, AHalfParticleOnAPlaneOfSymmetryStandsOnThisSideOfIt) {
+  ParticlePlaces p;  // the right half of a row of squares 0.1 thick: the first is on the plane and half as large
+  put(p, 0, 0.05);
+  p.sizes[0] = std::sqrt(0.1 * 0.05);
+  for (int i = 1; i <= 10; ++i) put(p, 0.1 * i, 0.05);
+  Case what = plane();
+  what.domain.min[0] = 0;
+  what.n_cells[0] = 10;
+  what.walls[0] = WallKind::symmetry;
+  const Outline o = OutlineFinder(what, p).find(p);
+  double area = 0;
+  for (double t : o.surface.thickness) area += 0.2 * t;
+  EXPECT_NEAR(area, 1.05 * 0.1, 1e-12);
+  EXPECT_NEAR(o.front_min[0], 0, 1e-12);
+}
+
+TEST(Outline, ADiskAroundTheAxisIsEquallyThickEverywhere) {
+  ParticlePlaces p;  // particles as tall and wide as 0.1: rings
+  for (int i = 0; i < 8; ++i)
+    for (int j = 0; j < 4; ++j) put(p, 0.05 + 0.1 * i, 0.05 + 0.1 * j);
+  Case what = plane();
+  what.axisymmetric = true;
+  what.domain.min[0] = 0;
+  what.n_cells[0] = 10;
+  const Outline o = OutlineFinder(what, p).find(p);
+  ASSERT_EQ(o.surface.thickness.size(), 5u);
+  for (int i = 0; i < 4; ++i) EXPECT_NEAR(o.surface.thickness[i], 0.4, 1e-12);
+  EXPECT_NEAR(o.front_radius, 0.8, 1e-12);
+  EXPECT_NEAR(o.front_max[0], 0.8, 1e-12);
+  EXPECT_EQ(std::signbit(o.front_min[0]), false);
+  EXPECT_NEAR(o.front_min[0], 0, 1e-12);
 }
 
 }  // namespace

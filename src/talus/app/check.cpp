@@ -65,13 +65,13 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
   OutputTimes times{};
   const OutlineFinder outlines(what, simulation.places());
   History history(folder / "history.csv", what.dim, what.axisymmetric, 0);
-  times.row = mean_time([&] { history.add(simulation.ledger(), outlines.find(simulation.places().places)); });
+  times.row = mean_time([&] { history.add(simulation.ledger(), outlines.find(simulation.places())); });
   Observation seen;
   times.snapshot = mean_time([&] {
     seen = simulation.observe();
     write_snapshot(folder / "particles.hdf", seen, what.output.fields);
   });
-  history.add(simulation.ledger(), outlines.find(simulation.places().places));  // a curve has two points at least
+  history.add(simulation.ledger(), outlines.find(simulation.places()));  // a curve has two points at least
   PictureBook pictures(folder / "pictures", what);
   const auto draw_one_more = [&] {
     pictures.add(seen);

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 
 #include "talus/app/commands.hpp"
 #include "talus/backend/backend.hpp"
@@ -11,6 +13,7 @@
 #include "talus/base/text.hpp"
 #include "talus/element/driver.hpp"
 #include "talus/output/figure_page.hpp"
+#include "talus/output/report.hpp"
 
 namespace talus {
 
@@ -40,9 +43,9 @@ std::vector<fs::path> folders_of(const ReproduceOptions& options) {
                   alike.empty() ? "there is all, " + any_of(words) : fmt::format("did you mean `{}`?", alike)));
 }
 
-/// history.csv of a run.
-ResultTable history_of(const fs::path& folder) {
-  ResultTable table{read_csv((folder / "history.csv").string()), {}, {}, ""};
+/// history.csv or surface.csv of a run.
+ResultTable table_of(const fs::path& file) {
+  ResultTable table{read_csv(file.string()), {}, {}, ""};
   for (std::string& name : table.names) {
     const auto unit = name.find(" [");
     table.units.push_back(unit == std::string::npos ? "1" : name.substr(unit + 2, name.size() - unit - 3));
@@ -52,13 +55,25 @@ ResultTable history_of(const fs::path& folder) {
   return table;
 }
 
+/// The surface of a run's material at an instant: of all that it has written, the nearest.
+ResultTable surface_of(const fs::path& folder, double time) {
+  ResultTable table = table_of(folder / "surface.csv");
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const auto& row : table.rows)
+    if (std::abs(row[0] - time) < std::abs(nearest - time)) nearest = row[0];
+  std::erase_if(table.rows, [&](const auto& row) { return row[0] != nearest; });
+  return table;
+}
+
 /// The user has stopped a run, which says how it goes on: reproduce ends with its exit code.
 struct Stopped {
   int exit_code;
 };
 
-/// Runs a case in its folder. What stands there already of the same case is gone on with, or kept if it is complete.
-ResultTable run_in(const fs::path& folder, const std::string& case_text, int threads) {
+/// Runs a case in its folder, and tells why it broke if it did. What stands there already of the same case is gone on
+/// with, or kept if it is complete.
+std::string run_in(const fs::path& folder, const std::string& case_text, int threads) {
+  if (is_finished(folder, case_text)) return "";
   fs::create_directories(folder.parent_path());
   const fs::path file = folder.string() + ".toml";
   std::ofstream(file) << case_text;
@@ -83,20 +98,21 @@ ResultTable run_in(const fs::path& folder, const std::string& case_text, int thr
   } catch (const RunError& e) {
     failure = e.what();
   }
-  ResultTable table = history_of(folder);
-  table.failure = failure;
-  return table;
+  return failure;
 }
 
-/// A curve made of runs: the history of a single one, or a row of numbers and of the end of each run of a sweep.
+/// A curve made of runs: the history or surface of a single one, or a row of numbers and of the end of each run of a
+/// sweep.
 ResultTable run_cases(const RemadeFigure& figure, std::size_t reading, std::size_t curve, const fs::path& out,
                       int threads) {
   const CurveSpec& spec = figure.spec.curves[curve];
   const CurveRuns& runs = *spec.runs[reading];
   ResultTable table;
   for (std::size_t k = 0; k < runs.runs.size(); ++k) {
-    ResultTable one =
-        run_in(out / figure.spec.name / run_folder(figure.spec, reading, spec, k), runs.runs[k].text, threads);
+    const fs::path folder = out / figure.spec.name / run_folder(figure.spec, reading, spec, k);
+    const std::string failure = run_in(folder, runs.runs[k].text, threads);
+    ResultTable one = spec.surface_at ? surface_of(folder, *spec.surface_at) : table_of(folder / "history.csv");
+    one.failure = failure;
     if (!runs.is_sweep) return one;
     if (k == 0) {
       table = one;

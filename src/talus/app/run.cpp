@@ -37,7 +37,7 @@ int run_case(const RunOptions& options) {
   run.n_particles = simulation->n_particles();
   run.n_threads = loop->n_workers();
   const OutlineFinder outlines(what, simulation->places());
-  run.start = outlines.find(simulation->places().places);
+  run.start = outlines.find(simulation->places());
 
   RunSoFar so_far;
   if (task.saved) {
@@ -60,6 +60,7 @@ int run_case(const RunOptions& options) {
   Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
   if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
   History history(folder / "history.csv", what.dim, what.axisymmetric, so_far.history_bytes);
+  SurfaceTable surfaces(folder / "surface.csv", what.dim, what.axisymmetric, so_far.surface_bytes);
   SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
   PictureBook pictures(folder / "pictures", what, so_far.instants);
   std::vector<double> picture_times = what.output.pictures;
@@ -79,8 +80,12 @@ int run_case(const RunOptions& options) {
       picture_times.erase(picture_times.begin());
     }
     const bool snapshot = so_far.next_snapshot.due(t) || (last && so_far.next_snapshot.last != t);
-    if (so_far.next_row.due(t) || (last && so_far.next_row.last != t))
-      history.add(simulation->ledger(), outlines.find(simulation->places().places));
+    const bool row = so_far.next_row.due(t) || (last && so_far.next_row.last != t);
+    if (row || snapshot) {
+      const Outline outline = outlines.find(simulation->places());
+      if (row) history.add(simulation->ledger(), outline);
+      if (snapshot) surfaces.add(t, outline.surface);
+    }
     if (!snapshot && !picture) return;
     Observation seen = simulation->observe();
     if (picture) pictures.add(seen);
@@ -98,7 +103,9 @@ int run_case(const RunOptions& options) {
     so_far.wall_seconds = wall_earlier + progress.seconds();
     so_far.cpu_seconds = cpu_earlier + cpu_seconds() - cpu_before;
     so_far.history_bytes = history.bytes();
-    put_on_disk(folder / "history.csv");
+    so_far.surface_bytes = surfaces.bytes();
+    put_on_disk(history.file());
+    put_on_disk(surfaces.file());
     for (int i = int(so_far.snapshots.size()); i < snapshots.size(); ++i) put_on_disk(snapshots.file(i));
     for (int i = int(so_far.instants.size()); i < int(pictures.times().size()); ++i) put_on_disk(pictures.instant(i));
     so_far.snapshots = snapshots.times();
@@ -148,7 +155,7 @@ int run_case(const RunOptions& options) {
   run.resumed_at = so_far.resumed_at;
   run.ledger = simulation->ledger();
   run.tally = simulation->tally();
-  run.end = outlines.find(simulation->places().places);
+  run.end = outlines.find(simulation->places());
   run.bytes = simulation->bytes();
   run.n_snapshots = snapshots.size();
   run.warnings = warnings_of(what, run);

@@ -138,8 +138,8 @@ void take_over(Task& task, const RunOptions& options) {
   if (const std::string why = results_at_stake(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
   // What an earlier run left must not be taken for this one's.
-  for (const char* name :
-       {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "failure.hdf", "record.json", "report.html"})
+  for (const char* name : {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "failure.hdf",
+                           "record.json", "report.html"})
     fs::remove(task.folder / name);
   fs::remove_all(task.folder / "failure");
   write_whole(task.folder / "case.toml", task.case_text);

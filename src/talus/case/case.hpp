@@ -109,6 +109,7 @@ struct Numerics {
 struct OutputSpec {
   double snapshots = 0;               ///< interval [s]
   double history = 0;                 ///< interval [s]
+  double front_thickness = 0;         ///< of the material where its deposit ends, which is where fronts are [m]
   std::vector<double> pictures;       ///< instants [s]
   std::vector<std::string> fields;    ///< quantities in snapshots
   std::optional<double> checkpoints;  ///< interval of simulated time [s]

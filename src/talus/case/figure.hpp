@@ -1,6 +1,7 @@
 #pragma once
 /// A figure to be remade: curves, panels, and what a text claims about it. validation/README.md has the format.
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ struct CurveTest {
   ElementTest test;
 };
 
-/// The runs of a curve in one reading: one whose history is the curve, or a sweep of which each run's end is a row.
+/// The runs of a curve in one reading: one whose history or surface is the curve, or a sweep of which each run's end is
+/// a row.
 struct CurveRuns {
   struct Run {
     std::string text;            ///< the case file with everything set, to be run again by itself
@@ -34,9 +36,19 @@ struct CurveRuns {
 
 struct CurveSpec {
   std::string name, label;
+  std::string abscissa;                         ///< column along which numbers of the curve are measured
+  std::optional<double> surface_at;             ///< the curve is the surface of the material at that instant [s]
   std::vector<std::optional<CurveTest>> tests;  ///< one for every reading, if the curve is an element test
   std::vector<std::optional<CurveRuns>> runs;   ///< one for every reading, if it is runs of cases
   std::optional<NumberTable> measured;
+  std::string measured_label;
+
+  /// Whether there is nothing to compute.
+  bool is_measurement() const { return tests.empty() && runs.empty(); }
+  /// Whether each row is the end of a run.
+  bool is_sweep() const {
+    return std::any_of(runs.begin(), runs.end(), [](const auto& r) { return r && r->is_sweep; });
+  }
 };
 
 /// One axis of a panel: formulas of the columns of a curve and of the measurements.
@@ -52,6 +64,23 @@ struct Panel {
   std::vector<int> curves;
 };
 
+/// Numbers beside each other: a row a curve, of its last instant, or a row for every run of a sweep.
+struct NumbersSpec {
+  struct Column {
+    std::string label, value;  ///< formula of the columns of a curve
+    int digits;                ///< behind the point
+  };
+  std::string title, note;
+  std::vector<int> curves;
+  std::vector<Column> columns;
+};
+
+/// A picture that a run has made of its particles.
+struct PictureSpec {
+  int curve;  ///< whose run it is; the first of a sweep
+  std::string quantity, title;
+};
+
 /// A claim, the number that decides it, and the range in which it holds; without a number it cannot be checked.
 struct Statement {
   std::string text, where, number, meaning, why;
@@ -62,10 +91,12 @@ struct Statement {
 
 struct FigureSpec {
   std::string name;  ///< of its folder
-  std::string title, source, note, abscissa;
+  std::string title, source, note;
   std::vector<Reading> readings;
   std::vector<CurveSpec> curves;
   std::vector<Panel> panels;
+  std::vector<NumbersSpec> tables;
+  std::vector<PictureSpec> pictures;
   std::vector<Statement> statements;
 };
 

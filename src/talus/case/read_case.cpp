@@ -310,6 +310,14 @@ Region read_points(Section& s, const Case& what, const std::string& folder, std:
   return list;
 }
 
+/// Edge of a body's largest particle [m].
+double largest_particle(const BodySpec& body, int dim) {
+  double largest = body.spacing;
+  if (const auto* list = std::get_if<PointList>(&body.region))
+    for (double v : list->volumes) largest = std::max(largest, std::pow(v, 1.0 / dim));
+  return largest;
+}
+
 void read_bodies(Section& root, Case& what, const std::string& folder) {
   for (auto& [name, s] : root.named_sections("body", "the bodies, each a region filled with particles")) {
     BodySpec body;
@@ -364,9 +372,7 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
                                with_unit(what.domain.min[a], "m"), with_unit(what.domain.max[a], "m")));
         break;
       }
-    double largest = body.spacing;
-    if (const auto* list = std::get_if<PointList>(&body.region))
-      for (double v : list->volumes) largest = std::max(largest, std::pow(v, 1.0 / what.dim));
+    const double largest = largest_particle(body, what.dim);
     if (s.has("points") && largest > what.cell * (1 + 1e-9))
       s.complain("points",
                  fmt::format("hold a particle of edge {}, larger than the cells ({}): the grid would see holes",
@@ -604,6 +610,23 @@ void read_numerics(Section& s, Case& what) {
   s.close("[numerics]");
 }
 
+/// How thin a deposit can be, and why: no layer of grains is thinner than a grain, and experiments see none. Of a law
+/// that does not know its grains, a layer of points.
+std::pair<double, std::string_view> thinnest_deposit(const Case& what) {
+  double grain = 0, particle = 0;
+  for (const BodySpec& b : what.bodies) {
+    particle = std::max(particle, largest_particle(b, what.dim));
+    if (b.material >= 0)
+      std::visit(
+          [&](const auto& law) {
+            if constexpr (requires { law.grain_diameter(); }) grain = std::max(grain, law.grain_diameter());
+          },
+          what.materials[b.material].law);
+  }
+  if (grain > 0) return {grain, "a grain"};
+  return {particle, "a particle at the start"};
+}
+
 void read_output(Section& root, Case& what) {
   Section s = root.has("output") ? root.section("output", "what is written") : Section::empty(root, "output");
   OutputSpec& o = what.output;
@@ -612,6 +635,10 @@ void read_output(Section& root, Case& what) {
       s.number({"snapshots", "s", Range::positive(), "time between snapshots"}, end / 50, "a fiftieth of the run");
   o.history = s.number({"history", "s", Range::positive(), "time between rows of history.csv"}, end / 500,
                        "a five-hundredth of the run");
+  const auto [thinnest, whose] = thinnest_deposit(what);
+  o.front_thickness =
+      s.number({"front_thickness", "m", Range::positive(), "how thick the deposit is where it ends: fronts are there"},
+               thinnest, whose);
   if (s.has("pictures")) {
     const Range in_the_run = end > 0 ? Range::between(0, end) : Range::not_negative();
     o.pictures = s.numbers({"pictures", "s", in_the_run, "instants of which pictures are made"}, 0);

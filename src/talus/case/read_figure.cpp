@@ -62,18 +62,60 @@ Axis read_axis(Section& panel, std::string_view key) {
   return axis;
 }
 
+/// The numbers of the curves that a panel or a table names; all of them if it names none.
+std::vector<int> read_curves(Section& s, const std::vector<CurveSpec>& curves, std::string_view meaning) {
+  std::vector<std::string_view> names;
+  for (const CurveSpec& c : curves) names.push_back(c.name);
+  std::vector<int> numbers;
+  for (const std::string& word : s.words("curves", names, names, meaning))
+    numbers.push_back(int(std::find(names.begin(), names.end(), word) - names.begin()));
+  return numbers;
+}
+
 Panel read_panel(Section& s, const std::vector<CurveSpec>& curves, std::vector<std::string>& taken) {
   Panel panel;
   panel.name = read_name(s, "name of the panel and of its files", taken);
   panel.title = s.text("title", "title of the panel", "");
   panel.x = read_axis(s, "x");
   panel.y = read_axis(s, "y");
-  std::vector<std::string_view> names;
-  for (const CurveSpec& c : curves) names.push_back(c.name);
-  for (const std::string& word : s.words("curves", names, names, "curves in this panel"))
-    panel.curves.push_back(int(std::find(names.begin(), names.end(), word) - names.begin()));
+  panel.curves = read_curves(s, curves, "curves in this panel");
   s.close("a panel");
   return panel;
+}
+
+NumbersSpec read_table(Section& s, const std::vector<CurveSpec>& curves) {
+  NumbersSpec table;
+  table.title = s.text("title", "title of the table");
+  table.note = s.text("note", "what a reader of the table must know", "");
+  table.curves = read_curves(s, curves, "curves whose ends are the rows of this table");
+  for (Section& c : s.list_of_sections("column", "columns of the table")) {
+    NumbersSpec::Column column;
+    column.value = c.text("value", "formula of the columns of the curves");
+    column.label = c.text("label", "its title", column.value);
+    column.digits = c.whole_number("digits", 0, 9, 1, "digits behind the point");
+    c.close("a column");
+    table.columns.push_back(std::move(column));
+  }
+  s.close("a table");
+  for (int c : table.curves)
+    if (curves[c].is_measurement())
+      s.complain("curves", fmt::format("names `{}`, of which nothing is computed", curves[c].name));
+  return table;
+}
+
+PictureSpec read_picture(Section& s, const std::vector<CurveSpec>& curves) {
+  PictureSpec picture;
+  const std::string name = s.text("curve", "curve whose run made the picture");
+  picture.quantity = s.text("quantity", "what the picture shows: speed, kappa, viscosity");
+  picture.title = s.text("title", "title of the picture", "");
+  picture.curve = int(std::find_if(curves.begin(), curves.end(), [&](const CurveSpec& c) { return c.name == name; }) -
+                      curves.begin());
+  s.close("a picture");
+  if (picture.curve == int(curves.size()) || curves[picture.curve].runs.empty()) {
+    s.complain("curve", "is no curve made of runs");
+    picture.curve = 0;
+  }
+  return picture;
 }
 
 Statement read_statement(Section& s) {
@@ -95,12 +137,13 @@ Statement read_statement(Section& s) {
   return statement;
 }
 
-std::optional<NumberTable> read_measured(Section& curve, const std::string& folder) {
+std::optional<NumberTable> read_measured(Section& curve, const std::string& folder, std::string& label) {
   if (!curve.has("measured")) return std::nullopt;
   Section s = curve.section("measured", "rows of a table of measurements");
   const std::string file = s.text("file", "CSV file");
   const std::string where = s.text("where", "column that chooses rows", "");
   const std::string is = s.text("is", "what that column must read", "");
+  label = s.text("label", "name of the points in the legend", label);
   s.close("measurements");
   if (file.empty()) return std::nullopt;
   try {
@@ -158,7 +201,7 @@ FigureSpec read_figure(const std::string& folder) {
   figure.title = root.text("title", "what the figure shows");
   figure.source = root.text("source", "who published it, and where");
   figure.note = root.text("note", "what a reader must know", "");
-  figure.abscissa = root.text("abscissa", "column along which `at`, `where` and `power` measure", "time");
+  const std::string abscissa = root.text("abscissa", "column along which `at`, `where` and `power` measure", "time");
 
   std::vector<std::string> reading_folders, curve_files, panel_files;
   std::vector<toml::table> readings;
@@ -177,23 +220,32 @@ FigureSpec read_figure(const std::string& folder) {
   std::vector<std::string_view> reading_names;
   for (const Reading& r : figure.readings) reading_names.push_back(r.name);
 
-  for (Section& s : root.list_of_sections("curve", "curves, each an element test or runs of a case")) {
+  for (Section& s : root.list_of_sections("curve", "curves: element tests, runs of a case, measurements")) {
     CurveSpec curve;
     curve.name = read_name(s, "name of the curve", curve_files);
     curve.label = s.text("label", "its name in the legend", curve.name);
     const bool runs_case = s.has("case");
-    if (runs_case == s.has("test")) s.complain("must have either a `test` or a `case`");
+    if (runs_case + s.has("test") > 1 || runs_case + s.has("test") + s.has("measured") == 0)
+      s.complain("must have either a `test` or a `case`, or only what was `measured`");
+    curve.abscissa = s.text("abscissa", "column along which numbers of this curve are measured", abscissa);
+    if (runs_case)
+      curve.surface_at = s.optional_number(
+          {"surface_at", "s", Range::not_negative(), "instant at which the surface of the material is the curve"});
     const std::string file = runs_case       ? s.text("case", "case in this folder")
                              : s.has("test") ? s.text("test", "element test in this folder")
                                              : "";
     std::vector<std::string> columns;
     const bool is_sweep = runs_case && s.has("sweep");
     const std::vector<SweepStep> steps = runs_case ? read_sweep(s, columns) : std::vector<SweepStep>{};
+    if (is_sweep && curve.surface_at)
+      s.complain("surface_at", "has no meaning for a sweep, whose rows are ends of runs");
     const toml::table set = replacements(s);
     const std::string only = s.text("reading", "the only reading that has this curve", "");
     if (!only.empty() && std::find(reading_names.begin(), reading_names.end(), only) == reading_names.end())
       s.complain("reading", "is not among the readings; there is " + any_of(reading_names));
-    curve.measured = read_measured(s, folder);
+    const bool computed = runs_case || s.has("test");
+    curve.measured_label = computed ? curve.label + ", measured" : curve.label;
+    curve.measured = read_measured(s, folder, curve.measured_label);
     s.close("a curve");
     for (std::size_t r = 0; r < readings.size() && !file.empty(); ++r) {
       const bool here = only.empty() || only == figure.readings[r].name;
@@ -226,6 +278,12 @@ FigureSpec read_figure(const std::string& folder) {
   }
   for (Section& s : root.list_of_sections("panel", "panels of the figure"))
     figure.panels.push_back(read_panel(s, figure.curves, panel_files));
+  if (root.has("table"))
+    for (Section& s : root.list_of_sections("table", "tables of numbers"))
+      figure.tables.push_back(read_table(s, figure.curves));
+  if (root.has("picture"))
+    for (Section& s : root.list_of_sections("picture", "pictures of runs"))
+      figure.pictures.push_back(read_picture(s, figure.curves));
   if (root.has("statement"))
     for (Section& s : root.list_of_sections("statement", "what is claimed"))
       figure.statements.push_back(read_statement(s));

@@ -26,10 +26,9 @@ double interpolate(const Points& line, double x) {
   return none;
 }
 
-/// rms distance of a line from points, over the largest point. Points beyond the line count as far off as its end.
-double misfit_of(const Points& line, const Points& points) {
-  double sum = 0, largest = 0;
-  int n = 0;
+/// How far in y a line is from points, one by one. Points beyond the line count as far off as its end.
+std::vector<double> distances(const Points& line, const Points& points) {
+  std::vector<double> all;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
     if (!std::isfinite(points.x[i]) || !std::isfinite(points.y[i]) || line.y.empty()) continue;
     double y = interpolate(line, points.x[i]);
@@ -37,21 +36,47 @@ double misfit_of(const Points& line, const Points& points) {
       const bool nearer_end = std::abs(points.x[i] - line.x.back()) <= std::abs(points.x[i] - line.x.front());
       y = nearer_end ? line.y.back() : line.y.front();
     }
-    sum += (y - points.y[i]) * (y - points.y[i]);
-    largest = std::max(largest, std::abs(points.y[i]));
-    ++n;
+    all.push_back(std::abs(y - points.y[i]));
   }
-  return n > 0 && largest > 0 ? std::sqrt(sum / n) / largest : none;
+  return all;
 }
 
-DrawnCurve draw(const FigureSpec& figure, const Panel& panel, int curve, const ResultTable& result) {
-  DrawnCurve drawn{curve, {evaluate(panel.x.value, result), evaluate(panel.y.value, result)}, {}, none};
-  const auto& measured = figure.curves[curve].measured;
-  if (measured && !panel.x.measured.empty() && !panel.y.measured.empty()) {
-    drawn.measured = {evaluate(panel.x.measured, *measured), evaluate(panel.y.measured, *measured)};
-    drawn.misfit = misfit_of(drawn.computed, drawn.measured);
+/// rms distance of a line from points, over the largest point.
+double misfit_of(const std::vector<double>& distances, const Points& points) {
+  double sum = 0, largest = 0;
+  for (double d : distances) sum += d * d;
+  for (double y : points.y)
+    if (std::isfinite(y)) largest = std::max(largest, std::abs(y));
+  return !distances.empty() && largest > 0 ? std::sqrt(sum / double(distances.size())) / largest : none;
+}
+
+DrawnCurve draw(const Panel& panel, const CurveSpec& spec, int curve, const std::optional<ResultTable>& result) {
+  DrawnCurve drawn{curve, {}, {}, none, none};
+  if (result) drawn.computed = {evaluate(panel.x.value, *result), evaluate(panel.y.value, *result)};
+  if (spec.measured && !panel.x.measured.empty() && !panel.y.measured.empty()) {
+    drawn.measured = {evaluate(panel.x.measured, *spec.measured), evaluate(panel.y.measured, *spec.measured)};
+    const std::vector<double> off = distances(drawn.computed, drawn.measured);
+    drawn.misfit = misfit_of(off, drawn.measured);
+    if (!off.empty()) drawn.deviation = *std::max_element(off.begin(), off.end());
   }
   return drawn;
+}
+
+/// A row a curve, or a row for every run of a sweep.
+std::vector<NumbersRow> rows_of(const FigureSpec& figure, const NumbersSpec& table,
+                                const std::vector<std::optional<ResultTable>>& runs) {
+  std::vector<NumbersRow> rows;
+  for (int c : table.curves) {
+    if (!runs[c] || runs[c]->rows.empty()) continue;
+    const std::size_t n = runs[c]->rows.size(), first = figure.curves[c].is_sweep() ? 0 : n - 1;
+    const std::size_t begin = rows.size();
+    for (std::size_t k = first; k < n; ++k) rows.push_back({c, {}});
+    for (const NumbersSpec::Column& column : table.columns) {
+      const std::vector<double> values = evaluate(column.value, *runs[c]);
+      for (std::size_t k = first; k < n; ++k) rows[begin + k - first].numbers.push_back(values[k]);
+    }
+  }
+  return rows;
 }
 
 /// The functions that statements are made of, over the curves of one reading.
@@ -71,9 +96,8 @@ class Measures {
     define("power", [](const Points& c, double a, double b) {
       return std::log(interpolate(c, b) / interpolate(c, a)) / std::log(b / a);
     });
-    parser_.DefineFunUserData(
-        "misfit", +[](void* self, const char* curve) { return static_cast<Measures*>(self)->misfit(curve); },
-        static_cast<void*>(this), false);
+    define<&DrawnCurve::misfit>("misfit");
+    define<&DrawnCurve::deviation>("deviation");
   }
 
   double number(const std::string& formula) {
@@ -100,6 +124,14 @@ class Measures {
         static_cast<void*>(this), false);
   }
 
+  /// The same of a function of "CURVE: PANEL", a number of the curve as it is drawn there.
+  template <double DrawnCurve::*number>
+  void define(const char* name) {
+    parser_.DefineFunUserData(
+        name, +[](void* self, const char* text) { return static_cast<Measures*>(self)->drawn(text, number); },
+        static_cast<void*>(this), false);
+  }
+
   /// "CURVE: FORMULA" along the abscissa; empty, and noted, where this reading has no such curve.
   Points points(const std::string& text) {
     const auto [curve, formula] = split(text);
@@ -107,15 +139,19 @@ class Measures {
       missing_ = true;
       return {};
     }
-    return {evaluate(figure_.abscissa, *runs_[curve]), evaluate(formula, *runs_[curve])};
+    return {evaluate(figure_.curves[curve].abscissa, *runs_[curve]), evaluate(formula, *runs_[curve])};
   }
 
-  double misfit(const std::string& text) {
+  double drawn(const std::string& text, double DrawnCurve::*number) {
     const auto [curve, panel] = split(text);
+    if (!runs_[curve]) {
+      missing_ = true;
+      return none;
+    }
     for (std::size_t p = 0; p < figure_.panels.size(); ++p)
       if (figure_.panels[p].name == panel)
         for (const DrawnCurve& c : panels_[p])
-          if (c.curve == curve) return c.misfit;
+          if (c.curve == curve) return c.*number;
     throw std::runtime_error(fmt::format("`{}` is no curve in a panel", text));
   }
 
@@ -162,9 +198,14 @@ FigureResult evaluate_figure(const FigureSpec& figure, const FigureRuns& runs) {
     for (const Panel& panel : figure.panels) {
       auto& curves = panels.emplace_back();
       for (int c : panel.curves)
-        if (runs[r][c])
+        if (runs[r][c] || figure.curves[c].is_measurement())
           attempt(fmt::format("panel `{}`", panel.name),
-                  [&] { curves.push_back(draw(figure, panel, c, *runs[r][c])); });
+                  [&] { curves.push_back(draw(panel, figure.curves[c], c, runs[r][c])); });
+    }
+    auto& tables = result.tables.emplace_back();
+    for (const NumbersSpec& table : figure.tables) {
+      auto& rows = tables.emplace_back();
+      attempt(fmt::format("table \"{}\"", table.title), [&] { rows = rows_of(figure, table, runs[r]); });
     }
     Measures measures(figure, runs[r], panels);
     for (std::size_t s = 0; s < figure.statements.size(); ++s) {

@@ -1,5 +1,6 @@
 #pragma once
-/// What a figure shows once its element tests and cases have run: curves in the panels' axes, and verdicts on what is claimed.
+/// What a figure shows once its element tests and cases have run: curves in the panels' axes, tables, and verdicts on
+/// what is claimed.
 
 #include <map>
 
@@ -19,7 +20,14 @@ struct Points {
 struct DrawnCurve {
   int curve;
   Points computed, measured;
-  double misfit;  ///< rms distance in y from the measured points over the largest of these; NaN without them
+  double misfit;     ///< rms distance in y from the measured points over the largest of these; NaN without them
+  double deviation;  ///< largest distance in y from the measured points, in units of the axis; NaN without them
+};
+
+/// A row of a table: one of a curve's runs.
+struct NumbersRow {
+  int curve;
+  std::vector<double> numbers;
 };
 
 /// What became of a statement: a number for every reading (NaN where it has none), and where it holds.
@@ -33,6 +41,7 @@ struct Verdict {
 
 struct FigureResult {
   std::vector<std::vector<std::vector<DrawnCurve>>> panels;  ///< [reading][panel][curve of the panel]
+  std::vector<std::vector<std::vector<NumbersRow>>> tables;  ///< [reading][table][row]
   std::vector<Verdict> verdicts;                             ///< one for every statement
 };
 

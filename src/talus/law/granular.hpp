@@ -101,6 +101,7 @@ struct GranularOf {
   Stiffening stiffening(double e) const { return frictional.stiffening(e); }
   double grain_density() const { return collisional.rho_s; }
   double closest_packing() const { return collisional.Phi_c; }
+  double grain_diameter() const { return collisional.d; }
   double earth_pressure_at_rest() const { return frictional.earth_pressure_at_rest(); }
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {

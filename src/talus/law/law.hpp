@@ -14,6 +14,7 @@
 /// and, where it applies,
 ///   grain_density()           [kg/m3], of a law that knows its grains; others are given a bulk density
 ///   closest_packing()         volume fraction that its grains stay below: a user may not start from a denser state
+///   grain_diameter()          [m], of a law that knows it: deposits end where they are that thick
 ///   void_ratios               the Range of void ratios it means something for: a user is asked for one
 ///   lasting_contacts          false if no stress is carried at rest: a user may give none
 ///   remembers_strain_rate     true if the state holds the last strain rate

@@ -79,6 +79,7 @@ struct LocalMuI : CohesiveFriction {
     return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, tau * shear, zero};
   }
 
+  double grain_diameter() const { return d; }
   /// Horizontal over vertical stress at rest: Jaky 1944 with phi = atan mu_s.
   double earth_pressure_at_rest() const { return 1 - std::sin(phi); }
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {

@@ -195,6 +195,7 @@ struct MuI {
 
   double grain_density() const { return rho_s; }
   double closest_packing() const { return Phi_c; }
+  double grain_diameter() const { return d; }
   /// Horizontal over vertical stress at rest: collisions carry no stress at rest.
   double earth_pressure_at_rest() const { return 1; }
 

@@ -40,6 +40,7 @@ struct RunSoFar {
   double time = 0;  ///< [s]
   long step = 0;
   long history_bytes = 0;                   ///< length of history.csv
+  long surface_bytes = 0;                   ///< length of surface.csv
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of what pictures will show [s]
   Schedule next_snapshot{}, next_row{};
   double wall_seconds = 0, cpu_seconds = 0;

@@ -47,12 +47,7 @@ std::string block(const std::string& name, const Points& points) {
   return text + "\n\n";
 }
 
-/// Whether each row of a curve is the end of a run.
-bool is_sweep(const CurveSpec& curve) {
-  return std::any_of(curve.runs.begin(), curve.runs.end(), [](const auto& r) { return r && r->is_sweep; });
-}
-
-/// Lines for what was computed, points of the same colour for what was measured.
+/// Lines for what was computed, points for what was measured; both in the same colour if they belong together.
 bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& panel,
                 const std::vector<DrawnCurve>& curves) {
   std::string data;
@@ -62,13 +57,17 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
     const CurveSpec& spec = figure.curves[curves[i].curve];
     const char* colour = line_colour(int(i));
     const int dash = 1 + int(i) / 7;
-    data += block(spec.name, curves[i].computed);
-    plots.push_back(fmt::format("'{}.dat' index {} with {} lw 2 dt {} lc '{}' title {}", panel.name, n_blocks++,
-                                is_sweep(spec) ? "linespoints pt 2" : "lines", dash, colour, gnuplot_text(spec.label)));
+    if (!spec.is_measurement()) {
+      data += block(spec.name, curves[i].computed);
+      plots.push_back(fmt::format("'{}.dat' index {} with {} lw 2 dt {} lc '{}' title {}", panel.name, n_blocks++,
+                                  spec.is_sweep() ? "linespoints pt 2" : "lines", dash, colour,
+                                  gnuplot_text(spec.label)));
+    }
     if (curves[i].measured.x.empty()) continue;
-    data += block(spec.name + ", measured", curves[i].measured);
-    plots.push_back(fmt::format("'{}.dat' index {} with points pt 7 ps {} lc '{}' notitle", panel.name, n_blocks++,
-                                curves[i].measured.x.size() > 30 ? 0.35 : 0.8, colour));
+    data += block(spec.measured_label, curves[i].measured);
+    plots.push_back(fmt::format("'{}.dat' index {} with points pt {} ps {} lc '{}' title {}", panel.name, n_blocks++,
+                                spec.is_measurement() ? 6 : 7, curves[i].measured.x.size() > 40 ? 0.35 : 0.8, colour,
+                                gnuplot_text(spec.measured_label)));
   }
   if (plots.empty()) return true;
   write_text(folder / (panel.name + ".dat"), data);
@@ -77,7 +76,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
       "'{}.svg'\n",
       panel.name);
   script +=
-      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal height 1\n";
+      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal height 1 "
+      "noenhanced\n";
   if (!panel.title.empty()) script += "set title " + gnuplot_text(panel.title) + "\n";
   const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};
   for (const auto& [letter, axis] : axes) {
@@ -169,6 +169,29 @@ std::string statements_table(const RemadeFigure& figure) {
   return out + "</table>\n";
 }
 
+/// Tables of numbers of a reading.
+std::string number_tables(const RemadeFigure& figure, std::size_t reading) {
+  std::string out;
+  for (std::size_t t = 0; t < figure.spec.tables.size(); ++t) {
+    const NumbersSpec& table = figure.spec.tables[t];
+    out += "<h3>" + escaped(table.title) + "</h3>\n";
+    if (!table.note.empty()) out += "<p>" + escaped(table.note) + "</p>\n";
+    out += "<table><tr><th></th>";
+    for (const auto& column : table.columns) out += "<th>" + escaped(column.label) + "</th>";
+    out += "</tr>\n";
+    for (const NumbersRow& row : figure.result.tables[reading][t]) {
+      out += "<tr><td>" + escaped(figure.spec.curves[row.curve].label) + "</td>";
+      for (std::size_t c = 0; c < row.numbers.size(); ++c)
+        out += std::isfinite(row.numbers[c])
+                   ? fmt::format("<td class=\"n\">{:.{}f}</td>", row.numbers[c], table.columns[c].digits)
+                   : "<td class=\"n\">&ndash;</td>";
+      out += "</tr>\n";
+    }
+    out += "</table>\n";
+  }
+  return out;
+}
+
 /// The runs behind the curves of a reading, with their reports.
 std::string runs_table(const fs::path& folder, const RemadeFigure& figure, std::size_t reading) {
   std::string rows;
@@ -197,19 +220,27 @@ std::string misfit_table(const RemadeFigure& figure) {
   for (std::size_t p = 0; p < figure.spec.panels.size(); ++p)
     for (const DrawnCurve& c : figure.result.panels[0][p])
       if (std::isfinite(c.misfit))
-        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{:.1f} %</td></tr>\n",
+        rows += fmt::format("<tr><td>{}</td><td>{}</td><td class=\"n\">{:.1f} %</td><td class=\"n\">{:.3g}</td></tr>\n",
                             escaped(figure.spec.curves[c.curve].label), escaped(figure.spec.panels[p].y.label),
-                            100 * c.misfit);
+                            100 * c.misfit, c.deviation);
   if (rows.empty()) return "";
   return "<h2>Distance from the measurements</h2>\n<p>Root mean square over the measured points, over the largest of "
-         "them.</p>\n<table><tr><th>curve</th><th>quantity</th><th>distance</th></tr>\n" +
+         "them; and the largest distance, in units of the quantity.</p>\n<table><tr><th>curve</th><th>quantity</th>"
+         "<th>root mean square</th><th>largest</th></tr>\n" +
          rows + "</table>\n";
 }
 
 }  // namespace
 
 fs::path run_folder(const FigureSpec& figure, std::size_t reading, const CurveSpec& curve, std::size_t run) {
-  return place_of("", figure, reading) / (curve.name + (is_sweep(curve) ? fmt::format("_{}", run + 1) : ""));
+  const std::string& text = curve.runs[reading]->runs[run].text;
+  for (std::size_t r = 0; r < figure.readings.size(); ++r)
+    for (const CurveSpec& c : figure.curves)
+      if (!c.runs.empty() && c.runs[r])
+        for (std::size_t k = 0; k < c.runs[r]->runs.size(); ++k)
+          if (c.runs[r]->runs[k].text == text)
+            return place_of("", figure, r) / (c.name + (c.is_sweep() ? fmt::format("_{}", k + 1) : ""));
+  throw std::logic_error("a run that is not of this figure");
 }
 
 bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
@@ -238,7 +269,14 @@ bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
       if (drawn && fs::exists(image))
         page << embedded_figure(image, panel.title.empty() ? "(" + panel.name + ")" : panel.name);
     }
-    page << "</div>\n" << runs_table(folder, figure, r);
+    page << "</div>\n";
+    for (const PictureSpec& picture : spec.pictures) {
+      const CurveSpec& curve = spec.curves[picture.curve];
+      if (!curve.runs[r]) continue;
+      const fs::path image = folder / run_folder(spec, r, curve, 0) / "pictures" / (picture.quantity + ".png");
+      if (fs::exists(image)) page << embedded_figure(image, picture.title.empty() ? curve.label : picture.title);
+    }
+    page << number_tables(figure, r) << runs_table(folder, figure, r);
     for (std::size_t c = 0; c < spec.curves.size(); ++c)
       if (figure.runs[r][c] && !figure.runs[r][c]->failure.empty())
         page << fmt::format("<div class=\"warning\">Curve {} ends early: {}</div>\n", escaped(spec.curves[c].label),

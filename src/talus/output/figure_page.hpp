@@ -14,7 +14,8 @@ struct RemadeFigure {
   FigureResult result;
 };
 
-/// Where the results of a curve's run stand, seen from the figure's folder.
+/// Where the results of a curve's run stand, seen from the figure's folder. Runs of the same case share a folder: that of
+/// the first curve.
 std::filesystem::path run_folder(const FigureSpec& figure, std::size_t reading, const CurveSpec& curve,
                                  std::size_t run);
 

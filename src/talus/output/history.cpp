@@ -31,7 +31,15 @@ std::vector<Column> columns_for(int dim, bool axisymmetric) {
     c.push_back({"front_y_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[1]; }});
   }
   if (dim == 3 || axisymmetric)
-    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.radius; }});
+    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.front_radius; }});
+  c.push_back({"farthest_x_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[0]; }});
+  c.push_back({"farthest_x_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[0]; }});
+  if (dim == 3) {
+    c.push_back({"farthest_y_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[1]; }});
+    c.push_back({"farthest_y_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[1]; }});
+  }
+  if (dim == 3 || axisymmetric)
+    c.push_back({"farthest_radius [m]", [](const Ledger&, const Outline& o) { return o.farthest_radius; }});
   const std::vector<Column> rest = {
       {"height [m]", [](const Ledger&, const Outline& o) { return o.height; }},
       {"height_at_axis [m]", [](const Ledger&, const Outline& o) { return o.height_at_axis; }},
@@ -45,6 +53,7 @@ std::vector<Column> columns_for(int dim, bool axisymmetric) {
       {"wall_friction [J]", [](const Ledger& l, const Outline&) { return l.wall_friction; }},
       {"work_on_solids [J]", [](const Ledger& l, const Outline&) { return l.wall_work; }},
       {"energy_error [J]", [](const Ledger& l, const Outline&) { return l.error(); }},
+      {"turnover [J]", [](const Ledger& l, const Outline&) { return l.turnover; }},
       {"mass [kg]", [](const Ledger& l, const Outline&) { return l.mass; }},
       {"momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[0]; }},
       {"momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[1]; }},
@@ -60,11 +69,16 @@ std::vector<Column> columns_for(int dim, bool axisymmetric) {
   return c;
 }
 
+std::vector<std::string> names_of(const std::vector<Column>& columns) {
+  std::vector<std::string> names;
+  for (const Column& c : columns) names.push_back(c.name);
+  return names;
+}
+
 }  // namespace
 
-History::History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
-    : dim_(dim), axisymmetric_(axisymmetric), path_(file), bytes_(bytes) {
-  for (const Column& c : columns_for(dim, axisymmetric)) columns_.push_back(c.name);
+GrowingTable::GrowingTable(const std::filesystem::path& file, std::vector<std::string> columns, long bytes)
+    : path_(file), columns_(std::move(columns)), bytes_(bytes) {
   if (bytes > 0) {
     std::error_code failure;
     if (!(std::filesystem::file_size(file, failure) >= std::uintmax_t(bytes)) || failure)
@@ -76,32 +90,51 @@ History::History(const std::filesystem::path& file, int dim, bool axisymmetric, 
   if (bytes == 0) write(fmt::format("{}\n", fmt::join(columns_, ",")));
 }
 
-void History::write(const std::string& line) {
+void GrowingTable::write(const std::string& text) {
   errno = 0;
-  file_ << line;
+  file_ << text;
   if (!file_.flush())
     throw std::runtime_error(fmt::format("{} cannot be written: {}", path_.string(), std::strerror(errno)));
-  bytes_ += long(line.size());
+  bytes_ += long(text.size());
 }
+
+void GrowingTable::add(const std::vector<std::vector<double>>& rows) {
+  std::string text;
+  for (const std::vector<double>& row : rows) text += fmt::format("{:.10g}\n", fmt::join(row, ","));
+  write(text);
+}
+
+int GrowingTable::column(const std::string& name) const {
+  const auto found = std::find(columns_.begin(), columns_.end(), name);
+  return found == columns_.end() ? -1 : int(found - columns_.begin());
+}
+
+History::History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
+    : GrowingTable(file, names_of(columns_for(dim, axisymmetric)), bytes), dim_(dim), axisymmetric_(axisymmetric) {}
 
 void History::add(const Ledger& ledger, const Outline& outline) {
   std::vector<double> row;
   for (const Column& c : columns_for(dim_, axisymmetric_)) row.push_back(c.value(ledger, outline));
-  write(fmt::format("{:.10g}\n", fmt::join(row, ",")));
+  GrowingTable::add({row});
 }
 
-int History::column(const std::string& name) const {
-  const auto found = std::find(columns_.begin(), columns_.end(), name);
-  return found == columns_.end() ? -1 : int(found - columns_.begin());
+SurfaceTable::SurfaceTable(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
+    : GrowingTable(file, {"time [s]", dim == 2 && !axisymmetric ? "x [m]" : "radius [m]", "thickness [m]"}, bytes) {}
+
+void SurfaceTable::add(double time, const Surface& surface) {
+  std::vector<std::vector<double>> rows;
+  for (std::size_t i = 0; i < surface.places.size(); ++i)
+    rows.push_back({time, surface.places[i], surface.thickness[i]});
+  GrowingTable::add(rows);
 }
 
 std::vector<Chart> charts_of(const History& history) {
   const auto column = [&](const char* name) { return history.column(name) + 1; };
   const std::string time = "time [s]";
   return {
-      {"front", "How far the material reaches", time, "position of the fronts [mm]", 1, 1e3, 1,
+      {"front", "How far the deposit reaches", time, "position of the fronts [mm]", 1, 1e3, 1,
        column("front_radius [m]") > 0
-           ? std::vector<Curve>{{column("front_radius [m]"), "largest radius"}}
+           ? std::vector<Curve>{{column("front_radius [m]"), "radius of the deposit"}}
            : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
       {"height",
        "How high it stands",

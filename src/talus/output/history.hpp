@@ -1,5 +1,5 @@
 #pragma once
-/// history.csv: what a run does in time, a row an instant.
+/// history.csv and surface.csv: what a run does in time.
 
 #include <filesystem>
 #include <fstream>
@@ -12,28 +12,46 @@
 
 namespace talus {
 
-class History {
+/// A CSV file that grows while a run goes on.
+class GrowingTable {
  public:
   /// Creates the file and writes its header, column names with units; or goes on after the first `bytes` of what it
   /// holds. Throws std::runtime_error, as does `add`, if it cannot be written.
-  History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
-  void add(const Ledger& ledger, const Outline& outline);
+  GrowingTable(const std::filesystem::path& file, std::vector<std::string> columns, long bytes = 0);
+  void add(const std::vector<std::vector<double>>& rows);
 
+  const std::filesystem::path& file() const { return path_; }
   const std::vector<std::string>& columns() const { return columns_; }
-  /// Number of a column, by its name with unit.
+  /// Number of a column, by its name with unit; -1 if there is none.
   int column(const std::string& name) const;
   /// Length of the file.
   long bytes() const { return bytes_; }
 
  private:
-  void write(const std::string& line);
+  void write(const std::string& text);
 
-  int dim_;
-  bool axisymmetric_;
   std::filesystem::path path_;
   std::vector<std::string> columns_;
   std::ofstream file_;
   long bytes_;
+};
+
+/// history.csv, a row an instant.
+class History : public GrowingTable {
+ public:
+  History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
+  void add(const Ledger& ledger, const Outline& outline);
+
+ private:
+  int dim_;
+  bool axisymmetric_;
+};
+
+/// surface.csv, the thickness of the material at the instants of snapshots: a row a strip of ground, or a ring.
+class SurfaceTable : public GrowingTable {
+ public:
+  SurfaceTable(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
+  void add(double time, const Surface& surface);
 };
 
 /// What of a history is drawn: fronts, height, energies, time step, separated particles.

@@ -1,32 +1,60 @@
 #pragma once
-/// The outline of the material: how far it reaches and how high.
+/// The outline of the material: how thick it lies, how far it reaches and how high.
 
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
 
-/// Outline of what is connected. Space is cut into strips as wide as a cell; from the strip with the middle of the mass
-/// outwards, the body ends at the first strip without particles. A few grains thrown far ahead do not count. Surfaces
-/// lie half a particle beyond the particles' places.
+/// How thick the material lies over the ground, its volume over the area: in strips of the ground as wide as a cell in
+/// plane strain; else in rings about the axis, which makes it the mean around the axis.
+struct Surface {
+  std::vector<double> places;     ///< middle of each strip, or its distance from the axis [m]
+  std::vector<double> thickness;  ///< [m]
+};
+
+/// Outline of the material.
+///
+/// *Fronts* are where the deposit ends: the ground is cut into patches of a cell; those over which the material is at
+/// least `front_thickness` thick and that hang together by their sides are the deposit (if there are several, the one
+/// that holds most). Its edge lies where the thickness, linear between the middles of patches, falls to that level, and
+/// never beyond the material. That is what experiments measure, the edge of what lies on the ground as a whole; grains
+/// that ran or were thrown ahead do not count. NaN while the material is nowhere so thick.
+///
+/// *Farthest* are single particles, as far as the strips from the middle of the mass outwards all hold one. On smooth
+/// ground a sheet of single points can be far ahead of the front.
+///
+/// Heights are those of single particles too. Surfaces of particles lie half a particle beyond their places.
 struct Outline {
-  double front_min[2] = {0, 0};  ///< along x, and y in 3D [m]
-  double front_max[2] = {0, 0};  ///< [m]
-  double radius = 0;             ///< largest horizontal distance from the axis, not in plane strain [m]
-  double height = 0;             ///< highest point above the lowest side of the domain [m]
-  double height_at_axis = 0;     ///< the same within a cell of the axis [m]
+  double front_min[2] = {0, 0};     ///< along x, and y in 3D [m]
+  double front_max[2] = {0, 0};     ///< [m]
+  double front_radius = 0;          ///< where the mean thickness around the axis ends, not in plane strain [m]
+  double farthest_min[2] = {0, 0};  ///< along x, and y in 3D [m]
+  double farthest_max[2] = {0, 0};  ///< [m]
+  double farthest_radius = 0;       ///< from the axis, not in plane strain [m]
+  double height = 0;                ///< highest point above the lowest side of the domain [m]
+  double height_at_axis = 0;        ///< the same within a cell of the axis [m]
+  Surface surface;
 };
 
 class OutlineFinder {
  public:
   /// The axis is the vertical line through the particles' centre at the start; of an axisymmetric case x = 0.
   OutlineFinder(const Case& what, const ParticlePlaces& start);
-  Outline find(const std::vector<Vec<3>>& places) const;
+  Outline find(const ParticlePlaces& particles) const;
 
  private:
+  /// Fronts and surface.
+  void find_deposit(const ParticlePlaces& particles, Outline& outline) const;
+  /// Distance from the axis [m].
+  double radius_of(const Vec<3>& place) const;
+
   int dim_;
-  double cell_, floor_;
+  double cell_, floor_, level_;
   bool axisymmetric_;
+  Box domain_;
+  Index<3> n_cells_;
   Vec<3> axis_;
+  double angle_;                    ///< around the axis that the domain holds, not in plane strain [rad]
   std::vector<double> half_sizes_;  ///< of the particles at the start
 };
 

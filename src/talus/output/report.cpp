@@ -298,12 +298,24 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   const auto outline = [](const Outline& o) {
     return nlohmann::ordered_json{{"front_x_min", o.front_min[0]},
                                   {"front_x_max", o.front_max[0]},
-                                  {"front_radius", o.radius},
+                                  {"front_radius", o.front_radius},
+                                  {"farthest_x_min", o.farthest_min[0]},
+                                  {"farthest_x_max", o.farthest_max[0]},
+                                  {"farthest_radius", o.farthest_radius},
                                   {"height", o.height},
                                   {"height_at_axis", o.height_at_axis}};
   };
   record["outline_metre"] = {{"start", outline(run.start)}, {"end", outline(run.end)}};
   write_whole(file, record.dump(2) + "\n");
+}
+
+bool is_finished(const std::filesystem::path& folder, const std::string& case_text) {
+  for (const char* name : {"record.json", "case.toml", "history.csv", "surface.csv"})
+    if (!std::filesystem::exists(folder / name)) return false;
+  const auto record = nlohmann::json::parse(contents_of(folder / "record.json"), nullptr, false);
+  return record.is_object() && record.value("talus", "") == version() && record.value("build", "") == build() &&
+         record.contains("run") && record["run"].value("outcome", "") == "finished" &&
+         contents_of(folder / "case.toml") == case_text;
 }
 
 void write_report(const std::filesystem::path& folder, const Case& what, const RunSummary& run,
@@ -343,7 +355,7 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
     row("left front, x", run.start.front_min[0], run.end.front_min[0]);
     row("right front, x", run.start.front_max[0], run.end.front_max[0]);
   }
-  if (what.dim == 3 || what.axisymmetric) row("largest radius", run.start.radius, run.end.radius);
+  if (what.dim == 3 || what.axisymmetric) row("radius", run.start.front_radius, run.end.front_radius);
   row("height", run.start.height, run.end.height);
   row("height at the axis", run.start.height_at_axis, run.end.height_at_axis);
   page << "</table>\n";

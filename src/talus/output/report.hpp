@@ -49,6 +49,10 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run);
 /// Everything that is needed to know what was run, by which version, on what machine, and how it went.
 void write_record(const std::filesystem::path& file, const RunSummary& run);
 
+/// Whether a folder holds the results of this case, to the letter, and its record says that this very version finished
+/// it.
+bool is_finished(const std::filesystem::path& folder, const std::string& case_text);
+
 /// Writes report.html, a page that opens without network and without other files, of the results in `folder`: particles
 /// and curves come from particles.hdf.series (and failure.hdf) and history.csv there.
 void write_report(const std::filesystem::path& folder, const Case& what, const RunSummary& run,
