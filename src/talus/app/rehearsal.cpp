@@ -76,7 +76,8 @@ Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double second
   std::vector<Mark> marks;
   const auto mark = [&] { marks.push_back({at.time, steps_on_finer(simulation->tally(), f)}); };
   try {
-    for (mark(); at.time < what.end && elapsed() < 2 * seconds; mark()) simulation->step();
+    // Few particles take more time each than many.
+    for (mark(); at.time < what.end && elapsed() < 6 * seconds; mark()) simulation->step();
   } catch (const RunError&) {  // what breaks on coarse cells need not break on fine ones
   }
   const Mark last = marks.back(), before = marks[marks.size() * 9 / 10];
