@@ -47,15 +47,30 @@ TEST(Rehearsal, CoarseCellsForetellTheStepsOfASlump) {
 TEST(Rehearsal, WallsAndThinThingsKeepTheirPlaces) {
   const auto loop = make_serial();
   Case what = slump();
-  what.end = 1e-3;
-  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 4);  // 32 and 12 are multiples of 4, the body is 8 cells wide
-  what.n_cells[0] = 30;
-  what.domain.max[0] = 1.5;
+  what.cell = 0.0125;  // the column is 32 cells wide
+  what.n_cells = {128, 48, 0};
+  what.bodies[0].spacing = 0.00625;
+  what.end = 1e-4;
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 4);
+  what.n_cells[0] = 66;
+  what.domain.max[0] = 0.825;
   EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 4);  // the side may move: nothing is there
   what.walls[1] = WallKind::slip;
-  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 3);  // 30 and 12 are multiples of 3, and of 2
-  what.solids = {{"gate", Box{{0.5, 0, 0}, {0.6, 0.6, 0}}, WallKind::slip, {}}};
+  EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 6);  // the next one by which 66 and 48 can be divided
+  what.solids = {{"gate", Box{{0.5, 0, 0}, {0.525, 0.6, 0}}, WallKind::slip, {}}};
   EXPECT_EQ(rehearse_on(4, what, *loop).coarser, 2);  // two cells thick
+  what.solids.clear();
+  what.walls[1] = WallKind::open;
+  EXPECT_EQ(rehearse_on(64, what, *loop).coarser, 8);  // so that four cells across are left
+}
+
+TEST(Rehearsal, ManyParticlesACellAreNotNeeded) {
+  const auto loop = make_serial();
+  Case what = slump();
+  what.end = 1e-4;
+  what.bodies[0].spacing = 0.05 / 8;  // 16 times as many as two along an edge
+  EXPECT_EQ(rehearse(what, *loop, 0.99 * 16, 1).coarser, 1);
+  EXPECT_EQ(rehearse(what, *loop, 1.01 * 16, 1).coarser, 2);
 }
 
 }  // namespace

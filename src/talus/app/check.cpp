@@ -119,9 +119,9 @@ int check_case(const std::string& case_file, int threads) {
   const Clock clock;
   while (clock.seconds() < 1 && simulation->ledger().time < what.end) simulation->step();
   const long tried = simulation->ledger().step;
+  const double per_step = clock.seconds() / double(std::max(1L, tried));
   const std::size_t bytes = simulation->bytes();
   const OutputTimes output = try_output(what, *simulation);
-  const double per_step = clock.seconds() / double(std::max(1L, tried));
   double steps = double(tried);
   std::string how = fmt::format("{}, found by running it to its end", tried);
   if (simulation->ledger().time < what.end) {

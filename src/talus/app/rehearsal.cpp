@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "talus/base/error.hpp"
+#include "talus/case/read.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
@@ -25,18 +26,18 @@ bool can_be_coarser(const Case& what, int f) {
   for (const BodySpec& b : what.bodies) {
     const Box box = bounding_box(b.region, what.dim);
     for (int a = 0; a < what.dim; ++a)
-      if (box.max[a] - box.min[a] < 2 * f * what.cell * close) return false;
+      if (box.max[a] - box.min[a] < 4 * f * what.cell * close) return false;
   }
   return true;
 }
 
 Case coarser(Case what, int f) {
+  for (BodySpec& b : what.bodies) b.spacing = f * (b.spacing > 0 ? std::max(b.spacing, 0.5 * what.cell) : 0);
   what.cell *= f;
   for (int a = 0; a < what.dim; ++a) {
     what.n_cells[a] = (what.n_cells[a] + f - 1) / f;
     what.domain.max[a] = what.domain.min[a] + what.n_cells[a] * what.cell;
   }
-  for (BodySpec& b : what.bodies) b.spacing *= f;
   return what;
 }
 
@@ -57,9 +58,11 @@ double steps_on_finer(const StepTally& tally, int f) {
 }  // namespace
 
 Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double seconds) {
-  // f times coarser: f^dim times fewer particles and about f times fewer steps.
+  // Fewer particles and about f times fewer steps.
+  const double particles = estimated_particles(what);
+  const auto cost = [&](int f) { return whole_run * estimated_particles(coarser(what, f)) / particles / f; };
   int f = 1;
-  for (int larger = 2; whole_run > seconds * std::pow(f, what.dim + 1) && larger <= 64; ++larger)
+  for (int larger = 2; larger <= 64 && cost(f) > seconds; ++larger)
     if (can_be_coarser(what, larger)) f = larger;
 
   const auto simulation = make_simulation(coarser(what, f), loop);
@@ -73,7 +76,8 @@ Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double second
   std::vector<Mark> marks;
   const auto mark = [&] { marks.push_back({at.time, steps_on_finer(simulation->tally(), f)}); };
   try {
-    for (mark(); at.time < what.end && elapsed() < 2 * seconds; mark()) simulation->step();
+    // Few particles take more time each than many.
+    for (mark(); at.time < what.end && elapsed() < 6 * seconds; mark()) simulation->step();
   } catch (const RunError&) {  // what breaks on coarse cells need not break on fine ones
   }
   const Mark last = marks.back(), before = marks[marks.size() * 9 / 10];

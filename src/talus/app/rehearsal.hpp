@@ -12,10 +12,11 @@ struct Rehearsal {
   double until = 0;  ///< simulated time that was reached [s]; the rest is taken to go on at the last pace
 };
 
-/// Runs a case with cells and particles so many times coarser that it takes about `seconds`, if the case itself would
-/// take `whole_run` [s] (an upper guess). Steps get shorter as material presses and speeds up, and only a run knows when.
-/// A bound scales with cells in its own way: what waves, particles and contact bound goes with h, viscosity with h^2,
-/// gravity with its root.
+/// Runs a case with cells so many times coarser, and at most two particles along their edges, that it takes about
+/// `seconds`, if the case itself would take `whole_run` [s] (a guess). A body keeps four cells across at least; if that
+/// takes longer, the run is ended and the rest taken to go on at the last pace. Steps get shorter as material presses and
+/// speeds up, and only a run knows when. Bounds scale with the size h of cells: what waves, particles and contact bound
+/// goes with h, viscosity with h^2, gravity with its root.
 Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double seconds);
 
 }  // namespace talus
