@@ -8,8 +8,10 @@
 #include <sstream>
 
 #include "folder_of_its_own.hpp"
+#include "talus/backend/backend.hpp"
 #include "talus/case/figure.hpp"
 #include "talus/case/read.hpp"
+#include "talus/mpm/simulation.hpp"
 
 namespace talus {
 namespace {
@@ -166,6 +168,14 @@ TEST_F(Refusal, SizesBeforeMemoryIsAskedFor) {
   for (int i = 0; i < 11; ++i) segments += "[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.1\nrows = 1000000\n";
   const std::string test = shear("[[segment]]", segments + "[[segment]]");
   expect_of_test(test, "the segments make 1.1e+07 `rows`; at most 1e+07 are possible");
+}
+
+TEST_F(Refusal, IsByAnEstimateOfMemoryThatHoldsTheParticles) {
+  const Case c = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").what;
+  const auto loop = make_serial();
+  const double stored = double(make_simulation(c, *loop)->bytes());  // particles and the grid near them
+  EXPECT_GT(estimated_bytes(c), stored);
+  EXPECT_LT(estimated_bytes(c), 5 * stored);  // and what a snapshot looks at
 }
 
 TEST_F(Refusal, TextsThatAreTooLongOrTooDeep) {
