@@ -66,7 +66,7 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
     if (curves[i].measured.x.empty()) continue;
     data += block(spec.measured_label, curves[i].measured);
     plots.push_back(fmt::format("'{}.dat' index {} with points pt {} ps {} lc '{}' title {}", panel.name, n_blocks++,
-                                spec.is_measurement() ? 6 : 7, curves[i].measured.x.size() > 40 ? 0.35 : 0.8, colour,
+                                spec.is_measurement() ? 6 : 7, curves[i].measured.x.size() > 200 ? 0.35 : 0.8, colour,
                                 gnuplot_text(spec.measured_label)));
   }
   if (plots.empty()) return true;
