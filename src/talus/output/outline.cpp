@@ -85,21 +85,6 @@ class Patches {
     }
   }
 
-  /// Evens out what lies on neighbouring patches, weights 1/4, 1/2, 1/4 along each axis: where columns of particles have
-  /// drifted apart a patch holds one more or fewer than the next. Volume is kept, and what is flat stays so.
-  void smooth() {
-    for (int axis = 0; axis < 2; ++axis) {
-      const std::vector<Patch> before = patches_;
-      for (std::size_t k = 0; k < patches_.size(); ++k)
-        if (const auto next = neighbour(k, axis, 1)) {
-          const Patch &a = before[k], &b = before[*next];
-          const double moved = (a.area + b.area) / 8 * (a.thickness() - b.thickness());
-          patches_[k].volume -= moved;
-          patches_[*next].volume += moved;
-        }
-    }
-  }
-
   /// Patches of the deposit: at least `level` thick and connected by their sides; of several such sets the one that
   /// holds most.
   std::vector<bool> deposit(double level) const {
@@ -238,7 +223,6 @@ void OutlineFinder::find_deposit(const ParticlePlaces& particles, Outline& outli
         }
       });
     }
-    ground.smooth();
     const std::vector<bool> deposit = ground.deposit(level_);
     for (int a = 0; a < dim_ - 1; ++a) {
       outline.front_min[a] = ground.front(deposit, level_, a, 0);
@@ -263,7 +247,6 @@ void OutlineFinder::find_deposit(const ParticlePlaces& particles, Outline& outli
       rings.at(i).add(volume * (high * high - low * low) / (far * far - near * near), 0, low, high);
     });
   }
-  rings.smooth();
   const std::vector<bool> deposit = rings.deposit(level_);
   outline.front_radius = rings.front(deposit, level_, 0, 1);
   if (axisymmetric_) {

@@ -6,8 +6,7 @@
 namespace talus {
 
 /// How thick the material lies over the ground, its volume over the area: in strips of the ground as wide as a cell in
-/// plane strain; else in rings about the axis, which makes it the mean around the axis. Neighbouring strips are evened
-/// out with weights 1/4, 1/2, 1/4.
+/// plane strain; else in rings about the axis, which makes it the mean around the axis.
 struct Surface {
   std::vector<double> places;     ///< middle of each strip, or its distance from the axis [m]
   std::vector<double> thickness;  ///< [m]

@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -68,6 +70,20 @@ std::string even_palette() {
          "'#35b779', 7 '#6dcd59', 8 '#b4de2c', 9 '#fde725')\n";
 }
 
+/// Whether there is a number to draw in any curve of a chart: fronts are NaN while there is no deposit.
+static bool has_numbers(const std::filesystem::path& csv, const Chart& chart) {
+  std::ifstream in(csv);
+  std::string line, cell;
+  std::getline(in, line);  // names
+  while (std::getline(in, line)) {
+    std::istringstream cells(line);
+    for (int column = 1; std::getline(cells, cell, ','); ++column)
+      for (const auto& curve : chart.curves)
+        if (curve.column == column && std::isfinite(std::strtod(cell.c_str(), nullptr))) return true;
+  }
+  return false;
+}
+
 bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path& csv, const Chart& chart) {
   const std::filesystem::path script = folder / (chart.name + ".gp");
   std::ostringstream out;
@@ -77,6 +93,7 @@ bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path
          "'#dddddd'\nset border "
          "3\nset tics nomirror\n"
       << "set xlabel " << gnuplot_text(chart.x_label) << "\nset ylabel " << gnuplot_text(chart.y_label) << "\n";
+  if (!has_numbers(csv, chart)) out << "set yrange [0:1]\n";  // without any, gnuplot finds no range and gives up
   std::vector<std::string> plots;
   for (std::size_t i = 0; i < chart.curves.size(); ++i)
     plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}",
