@@ -13,6 +13,13 @@
 #define TALUS_HAS_FMA 0
 #endif
 
+// Kernels take in all they call. Not under AddressSanitizer, which makes such functions take minutes to compile.
+#if defined(__SANITIZE_ADDRESS__)
+#define TALUS_FLATTEN
+#else
+#define TALUS_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace talus {
 
 /// Four doubles, four truth values and the bits of four doubles, side by side: one 256-bit register.

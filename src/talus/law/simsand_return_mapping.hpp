@@ -188,7 +188,7 @@ TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const Retur
 /// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
 /// their pressure.
 template <Number R>
-[[gnu::flatten, gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
+TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
                                                                     const Motion<R>& motion) {
   using M = mask_t<R>;
   using talus::select;

@@ -513,7 +513,7 @@ class Stepper final : public Simulation {
 
   /// With `hoops`, material around an axis: the hoop stress pulls inwards, f_r = -sum V sigma_tt N/r.
   template <bool hoops>
-  [[gnu::flatten]] void give_forces_of(const Body<Dim>& body, int t, const Scratch& s) {
+  TALUS_FLATTEN void give_forces_of(const Body<Dim>& body, int t, const Scratch& s) {
     const TileParticles& tile = body.tiles[t];
     NodeValue* force = grid_.window(t);
     const Quad per_length(-1 / domain_.h);

@@ -72,8 +72,8 @@ struct PackSums {
 };
 
 template <bool f_bar, class Law, int Dim>
-[[gnu::flatten]] void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile,
-                                  const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
+TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const TileParticles& tile,
+                               const CellFinder<Dim>& cells, const StressUpdate& how, Scratch& s, TileSums& sums) {
   using State = typename Law::template State<Pack>;
   const int n = tile.size();
   const bool averages = !f_bar && how.average_pressure && AveragesCompression<Law>;
@@ -107,7 +107,6 @@ template <bool f_bar, class Law, int Dim>
     const Tensor<Pack> L = load_gradient<Dim>(s, i);
     const SymTensor<Pack> rate = symmetric_part(L);
     const Pack old_volume = reference_volume * law.specific_volume(state);
-    const SymTensor<Pack> old_flux = old_volume * Law::total_stress(state);
 
     Motion<Pack> motion{dt * rate, rate, how.dt};
     Law::turn(state, incremental_rotation(L, how.dt));
@@ -125,6 +124,8 @@ template <bool f_bar, class Law, int Dim>
         total.averaging += old_volume * (own - law.elastic_energy(state));
       }
     }
+    // From here the law starts: what the mean does to the stress is no work of the strain.
+    const SymTensor<Pack> old_flux = old_volume * Law::total_stress(state);
     const Response<Pack> response = law.update(state, motion, how.integration);
     store_states(particles, first, count, state);
 
