@@ -104,6 +104,46 @@ TEST_F(FilesOfACase, FaultsInListedPointsAreToldWithFileAndLine) {
   expect(k0, "must be `zero` for listed points");
 }
 
+TEST_F(FilesOfACase, ScatteredParticlesStandAtRandomNearTheirPlacesInTheBodyAndHaveItsVolume) {
+  const std::string box = "box = { min = [\"1 m\", \"2 m\"], max = [\"4 m\", \"5 m\"] }\nspacing = \"0.5 m\"";
+  const auto filled = [&](const std::string& more) {
+    const Case c = read(with_body(box + more));
+    return fill(c, c.bodies[0]);
+  };
+  const Filling even = filled(""), one = filled("\nscatter = 0.3"), same = filled("\nscatter = 0.3\nseed = 1"),
+                other = filled("\nscatter = 0.3\nseed = 2");
+  ASSERT_EQ(one.points.size(), even.points.size());
+  EXPECT_EQ(one.points, same.points);
+  EXPECT_NE(one.points, other.points);
+  double furthest = 0, mean = 0, volume = 0;
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    for (int a = 0; a < 2; ++a) {
+      const double off = one.points[i][a] - even.points[i][a];
+      furthest = std::max(furthest, std::abs(off));
+      mean += off / double(2 * one.points.size());
+    }
+    volume += one.volumes[i];
+  }
+  EXPECT_LE(furthest, 0.15);
+  EXPECT_GT(furthest, 0.14);  // 72 numbers evenly between -0.15 and 0.15 m
+  EXPECT_NEAR(mean, 0, 4 * 0.15 / std::sqrt(3. * 72));
+  EXPECT_NEAR(volume, 9, 1e-12);
+
+  expect(with_body(box + "\nseed = 3"), "has no meaning without `scatter`");
+  expect(with_body(box + "\nscatter = 0.6"), "scatter");
+}
+
+TEST_F(FilesOfACase, ScatteredParticlesStayOnTheirSideOfAPlaneOfSymmetry) {
+  std::string text =
+      with_body("box = { min = [\"-1.5 m\", \"2 m\"], max = [\"1.5 m\", \"5 m\"] }\nspacing = \"1 m\"\nscatter = 0.5");
+  text.replace(text.find("[material"), 0, "[domain.walls]\nx_min = \"symmetry\"\n");
+  const Case c = read(text);
+  const Filling f = fill(c, c.bodies[0]);
+  ASSERT_EQ(f.points.size(), 6u);  // three on the plane, three beside it
+  for (int i = 0; i < 6; i += 2) EXPECT_EQ(f.points[i][0], 0);
+  for (const Vec<3>& x : f.points) EXPECT_GE(x[0], 0);
+}
+
 TEST_F(FilesOfACase, TheDarkPixelsOfAPictureAreTheBody) {
   write_png("dune.png", 3, {255, 0, 255, 0, 120, 200});
   const std::string image =

@@ -63,6 +63,39 @@ TEST_P(InBothDimensions, MassAndMomentumAreThoseOfTheBodyAndOfGravity) {
   EXPECT_NEAR(s->ledger().momentum[GetParam() - 1], -g * s->ledger().time * mass, 1e-11 * mass);
 }
 
+/// Angular momentum about the middle of the mass, across the first two axes.
+double angular_momentum(const Observation& seen) {
+  double mass = 0, L = 0;
+  Vec<2> x{}, v{};
+  const auto at = [&](const char* what, int i) { return Vec<2>{value(seen, what, i, 0), value(seen, what, i, 1)}; };
+  for (int i = 0; i < seen.n_particles(); ++i) {
+    const double m = value(seen, "mass", i);
+    mass += m;
+    x = x + m * at("position", i);
+    v = v + m * at("velocity", i);
+  }
+  x = (1 / mass) * x;
+  v = (1 / mass) * v;
+  for (int i = 0; i < seen.n_particles(); ++i) {
+    const Vec<2> r = at("position", i) - x, u = at("velocity", i) - v;
+    L += value(seen, "mass", i) * (r[0] * u[1] - r[1] * u[0]);
+  }
+  return L;
+}
+
+TEST_P(InBothDimensions, ABlockThatBeginsToTurnHasTheAngularMomentumOfARigidBody) {
+  Case what = block(GetParam(), rubber(), 1000);
+  what.bodies[0].velocity[0] = 0.3;
+  what.bodies[0].angular_velocity[2] = 5;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  const double height = GetParam() == 2 ? 1.0 : 0.5, mass = 1000 * 0.5 * (GetParam() == 3 ? 0.5 : 1.0);
+  // of a box of masses on a lattice of distance s: m/12 (a^2 + b^2 - 2 s^2)
+  const double inertia = mass / 12 * (0.25 + height * height - 2 * 0.05 * 0.05);
+  EXPECT_NEAR(angular_momentum(s->observe()), 5 * inertia, 1e-10 * inertia);
+  EXPECT_NEAR(s->ledger().momentum[0], 0.3 * mass, 1e-10 * mass);
+}
+
 TEST(Simulation, AnElasticBarBetweenSmoothWallsSwingsWithItsPeriod) {
   // Under sudden gravity the bar's centre swings about rho g L^2/(3 M) below its place, first mode period T = 4 L/c.
   Case what = block(2, LinearElastic{1e7, 0.0}, 1000);

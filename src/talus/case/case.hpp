@@ -58,7 +58,7 @@ inline constexpr Choice lattice_choices[] = {
 
 /// Quantities that are told of every particle, whatever its law.
 inline constexpr Quantity common_quantities[] = {
-    {"velocity", "m/s", 3, "velocity"},
+    {"velocity", "m/s", 3, "velocity of the material"},
     {"body", "1", 1, "number of the body, in the order of the case"},
     {"mass", "kg", 1, "mass; in plane strain per metre of thickness, axisymmetric per radian"},
     {"volume", "m3", 1, "volume; in plane strain per metre of thickness, axisymmetric per radian"},
@@ -87,7 +87,10 @@ struct BodySpec {
   Lattice lattice = Lattice::cells;
   std::optional<double> void_ratio;
   InitialStress initial_stress = InitialStress::zero;
-  Vec<3> velocity{};
+  double scatter = 0;  ///< how far points stand off their places in the lattice, along each axis, over the spacing
+  int seed = 1;        ///< of the scatter
+  Vec<3> velocity{};   ///< of the middle of its mass [m/s]
+  Vec<3> angular_velocity{};  ///< about the middle of its mass [rad/s]; in 2D its third component, positive from x to y
 };
 
 struct Numerics {

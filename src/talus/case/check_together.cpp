@@ -44,6 +44,13 @@ bool overlap(const Box& a, const Box& b, int dim) {
   return overlap;
 }
 
+/// No particle of a body in this box begins faster [m/s].
+double fastest_at_start(const BodySpec& body, const Box& box) {
+  const Vec<3> edges = box.max - box.min;
+  return std::sqrt(dot(body.velocity, body.velocity)) +
+         std::sqrt(dot(body.angular_velocity, body.angular_velocity) * dot(edges, edges));
+}
+
 /// Whether a solid may come into the domain: where it begins, or in the box around all that it passes.
 bool may_come_in(const Solid& solid, const Case& what) {
   const PrescribedMotion& motion = solid.motion;
@@ -101,7 +108,7 @@ void check_together(Section& root, const Case& what) {
       s.complain("initial_stress",
                  fmt::format("cannot be carried {} below the surface: {}", with_unit(depth, "m"), *why));
     else
-      signal = std::max(signal, std::get<double>(speed) + 1.3 * std::sqrt(dot(body.velocity, body.velocity)));
+      signal = std::max(signal, std::get<double>(speed) + 1.3 * fastest_at_start(body, boxes[b]));
   }
   for (std::size_t a = 0; a < what.bodies.size(); ++a)
     std::visit(

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <random>
 
 namespace talus {
 
@@ -48,6 +50,19 @@ Filling fill(const Case& what, const BodySpec& body) {
   }
   const Box box = bounding_box(body.region, what.dim);
   const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
+  // A point that would leave the body, or cross a plane of symmetry, stays on its place. The engine's numbers are the
+  // same everywhere, those of the standard's distributions are not.
+  std::mt19937_64 random(std::uint64_t(body.seed));
+  const auto scattered = [&](const Vec<3>& place) {
+    Vec<3> x = place;
+    bool beyond = false;
+    for (int a = 0; a < what.dim; ++a) {
+      const double from_minus_1_to_1 = double(random() >> 11) * 0x1p-52 - 1;
+      x[a] += body.scatter * body.spacing * from_minus_1_to_1;
+      for (const double plane : {kept.min[a], kept.max[a]}) beyond |= (x[a] - plane) * (place[a] - plane) <= 0;
+    }
+    return beyond || !contains(body.region, x, what.dim) ? place : x;
+  };
   Index<3> n{1, 1, 1};
   for (int a = 0; a < what.dim; ++a)
     n[a] = int(std::floor((box.max[a] - box.min[a]) / body.spacing - offset + 1e-9)) + 1;
@@ -57,7 +72,9 @@ Filling fill(const Case& what, const BodySpec& body) {
         Vec<3> x{};
         const Index<3> at{i, j, k};
         for (int a = 0; a < what.dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
-        if (contains(body.region, x, what.dim)) add(x, what.axisymmetric ? x[0] : 1);
+        if (!contains(body.region, x, what.dim)) continue;
+        if (body.scatter > 0) x = scattered(x);
+        add(x, what.axisymmetric ? x[0] : 1);
       }
   // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
   // proportion to their radius.

@@ -352,9 +352,30 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
       }
       body.spacing = s.number(spacing);
       body.lattice = Lattice(s.choice({"lattice", "where the particles stand", lattice_choices}));
+      body.scatter = s.number({"scatter", "1", Range::between(0, 0.5),
+                               "how far particles stand off the lattice, at random along each axis, over the spacing"},
+                              0.0);
+      if (body.scatter > 0)
+        body.seed =
+            s.whole_number("seed", 0, std::numeric_limits<int>::max(), 1, "which random places `scatter` takes");
+      else if (s.has("seed"))
+        s.complain("seed", "has no meaning without `scatter`");
     }
     body.velocity =
         s.has("velocity") ? vector_of(s.numbers({"velocity", "m/s", {}, "velocity at the start"}, what.dim)) : Vec<3>{};
+    if (s.has("angular_velocity")) {
+      const Parameter spin{"angular_velocity",
+                           "rad/s",
+                           {},
+                           what.dim == 2 ? "turning about the middle of its mass at the start, positive from x to y"
+                                         : "turning about the middle of its mass at the start"};
+      if (what.dim == 2)
+        body.angular_velocity[2] = s.number(spin);
+      else
+        body.angular_velocity = vector_of(s.numbers(spin, 3));
+      if (what.axisymmetric)
+        s.complain("angular_velocity", "is not for axisymmetric cases: nothing moves around the axis");
+    }
     if (what.axisymmetric && body.lattice == Lattice::corner && bounding_box(body.region, 2).min[0] <= 0)
       s.complain("lattice", "must be `cells`: particles on the axis would have no volume");
     const AnyLaw* law = body.material >= 0 ? &what.materials[body.material].law : nullptr;
@@ -386,6 +407,10 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
         s.complain(fmt::format("lies behind the plane of symmetry across {}", axis_names[a]));
       else if ((box.min[a] < kept.min[a] || box.max[a] > kept.max[a]) && body.velocity[a] != 0)
         s.complain("velocity", fmt::format("carries the body through the plane of symmetry across {}", axis_names[a]));
+      if ((box.min[a] < kept.min[a] || box.max[a] > kept.max[a]) &&
+          dot(body.angular_velocity, body.angular_velocity) > 0)
+        s.complain("angular_velocity",
+                   fmt::format("turns the body through the plane of symmetry across {}", axis_names[a]));
     }
     if (body.initial_stress == InitialStress::k0) {
       if (std::holds_alternative<PointList>(body.region))

@@ -35,6 +35,12 @@ struct Vec {
   bool operator==(const Vec&) const = default;
 };
 
+/// a x b
+template <class R>
+TALUS_HD Vec<3, R> cross(const Vec<3, R>& a, const Vec<3, R>& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
 /// A cell, node or tile of a regular grid, counted along each axis.
 template <int Dim>
 using Index = std::array<int, Dim>;

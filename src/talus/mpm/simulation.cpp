@@ -30,14 +30,22 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
         Particles<Dim>& p = body.particles;
         p.resize(n);
         const double density = bulk_density(material, spec);
+        Vec<3> middle{};
+        double whole = 0;
         for (int i = 0; i < n; ++i) {
+          middle = middle + volumes[i] * points[i];
+          whole += volumes[i];
+        }
+        middle = (1 / whole) * middle;
+        for (int i = 0; i < n; ++i) {
+          const Vec<3> velocity = spec.velocity + cross(spec.angular_velocity, points[i] - middle);
           const auto state = law.at_rest(initial_state(what, spec, depth_below_surface(spec.region, points[i], Dim)));
           if (const auto* reason = std::get_if<std::string>(&state))
             throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
           const auto& at_rest = std::get<typename Law::template State<double>>(state);
           for (int a = 0; a < Dim; ++a) {
             p.position(a)[i] = points[i][a];
-            p.velocity(a)[i] = spec.velocity[a];
+            p.velocity(a)[i] = velocity[a];
           }
           p.mass()[i] = density * volumes[i];
           p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);

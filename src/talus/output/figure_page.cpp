@@ -47,7 +47,8 @@ std::string block(const std::string& name, const Points& points) {
   return text + "\n\n";
 }
 
-/// Lines for what was computed, points for what was measured; both in the same colour if they belong together.
+/// Lines for what was computed, points for what was measured; both in the same colour if they belong together. What several
+/// curves are held against is drawn once, in grey.
 bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& panel,
                 const std::vector<DrawnCurve>& curves) {
   std::string data;
@@ -64,6 +65,13 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
                                   gnuplot_text(spec.label)));
     }
     if (curves[i].measured.x.empty()) continue;
+    const auto has_the_same = [&](const DrawnCurve& other) {
+      return figure.curves[other.curve].measured_label == spec.measured_label &&
+             other.measured.x == curves[i].measured.x && other.measured.y == curves[i].measured.y;
+    };
+    const auto first = curves.begin() + std::ptrdiff_t(i);
+    if (std::any_of(curves.begin(), first, has_the_same)) continue;
+    if (std::any_of(first + 1, curves.end(), has_the_same)) colour = "#666666";
     data += block(spec.measured_label, curves[i].measured);
     plots.push_back(fmt::format("'{}.dat' index {} with points pt {} ps {} lc '{}' title {}", panel.name, n_blocks++,
                                 spec.is_measurement() ? 6 : 7, curves[i].measured.x.size() > 200 ? 0.35 : 0.8, colour,
