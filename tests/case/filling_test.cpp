@@ -133,6 +133,19 @@ TEST_F(FilesOfACase, ScatteredParticlesStandAtRandomNearTheirPlacesInTheBodyAndH
   expect(with_body(box + "\nscatter = 0.6"), "scatter");
 }
 
+TEST_F(FilesOfACase, ABodyOnAPlaneOfSymmetryMayNotTurnNorMayOneAroundAnAxis) {
+  const std::string box = "box = { min = [\"0 m\", \"2 m\"], max = [\"1.5 m\", \"5 m\"] }\nspacing = \"0.5 m\"\n";
+  std::string cut = with_body(box + "angular_velocity = \"2 rad/s\"");
+  EXPECT_EQ(read(cut).bodies[0].angular_velocity, (Vec<3>{0, 0, 2}));
+  cut.replace(cut.find("\"0 m\", \"2 m\"], max"), 5, "\"-1 m\"");
+  cut.replace(cut.find("[material"), 0, "[domain.walls]\nx_min = \"symmetry\"\n");
+  expect(cut, "turns the body through the plane of symmetry across x");
+  std::string axis = with_body(box + "angular_velocity = \"2 rad/s\"");
+  axis.replace(axis.find("plane_strain"), 12, "axisymmetric");
+  axis.replace(axis.find("[material"), 0, "[domain.walls]\nx_min = \"slip\"\n");
+  expect(axis, "nothing moves around the axis");
+}
+
 TEST_F(FilesOfACase, ScatteredParticlesStayOnTheirSideOfAPlaneOfSymmetry) {
   std::string text =
       with_body("box = { min = [\"-1.5 m\", \"2 m\"], max = [\"1.5 m\", \"5 m\"] }\nspacing = \"1 m\"\nscatter = 0.5");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 
 #include "talus/base/png.hpp"
@@ -367,8 +368,7 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
       const Parameter spin{"angular_velocity",
                            "rad/s",
                            {},
-                           what.dim == 2 ? "turning about the middle of its mass at the start, positive from x to y"
-                                         : "turning about the middle of its mass at the start"};
+                           "turning about the middle of its mass at the start; in 2D positive from x to y"};
       if (what.dim == 2)
         body.angular_velocity[2] = s.number(spin);
       else
@@ -402,13 +402,14 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
       s.complain("spacing",
                  fmt::format("is larger than the cells ({}): the grid would see holes; at most half a cell is usual",
                              with_unit(what.cell, "m")));
+    const bool turns = dot(body.angular_velocity, body.angular_velocity) > 0;
     for (int a = 0; a < what.dim; ++a) {
+      const bool cut = box.min[a] < kept.min[a] || box.max[a] > kept.max[a];
       if (box.max[a] <= kept.min[a] || box.min[a] >= kept.max[a])
         s.complain(fmt::format("lies behind the plane of symmetry across {}", axis_names[a]));
-      else if ((box.min[a] < kept.min[a] || box.max[a] > kept.max[a]) && body.velocity[a] != 0)
+      else if (cut && body.velocity[a] != 0)
         s.complain("velocity", fmt::format("carries the body through the plane of symmetry across {}", axis_names[a]));
-      if ((box.min[a] < kept.min[a] || box.max[a] > kept.max[a]) &&
-          dot(body.angular_velocity, body.angular_velocity) > 0)
+      if (cut && turns)
         s.complain("angular_velocity",
                    fmt::format("turns the body through the plane of symmetry across {}", axis_names[a]));
     }
