@@ -102,15 +102,15 @@ TEST(LocalMuI, HeatIsTheWorkLessWhatIsStored) {
   const LocalMuI law = beads();
   State s = under(law, 1000);
   double heat = 0, work = 0;
-  const double rate = 50, dt = 1e-6;
-  for (int i = 0; i < 2000; ++i) {
+  const double rate = 50, dt = 5e-5;  // at first the whole strength in a step
+  for (int i = 0; i < 40; ++i) {
     const T before = s.stress;
     heat += law.update(s, Motion<double>{{0, 0, 0, 0.5 * rate * dt, 0, 0}, {0, 0, 0, 0.5 * rate, 0, 0}, dt}, implicit)
                 .plastic_work;
     work += 0.5 * (before.xy + s.stress.xy) * rate * dt;
   }
   const double stored = law.elastic_energy(s) - law.elastic_energy(under(law, 1000));
-  EXPECT_NEAR(heat, work - stored, 0.005 * work);
+  EXPECT_NEAR(heat, work - stored, 1e-9 * work);
 }
 
 TEST(LocalMuI, FrictionThatFallsWithTheRateIsRefused) {

@@ -195,5 +195,18 @@ TEST(Outline, ADiskAroundTheAxisIsEquallyThickEverywhere) {
   EXPECT_NEAR(o.front_min[0], 0, 1e-12);
 }
 
+TEST(Outline, ALayerThatHasSpreadFromTheAxisStillCountsForTheHeightThere) {
+  // Two layers of four rings in cells of 0.2. The upper one has spread to five times its radius: its innermost ring
+  // stands at 0.25, in the second cell, for all material from the axis to 0.5.
+  ParticlePlaces p;
+  for (int layer = 0; layer < 2; ++layer)
+    for (int i = 0; i < 4; ++i) put(p, (layer == 0 ? 1 : 5) * (0.05 + 0.1 * i), 0.05 + 0.1 * layer);
+  Case what = plane();
+  what.axisymmetric = true;
+  what.domain.min[0] = 0;
+  what.n_cells[0] = 10;
+  EXPECT_NEAR(OutlineFinder(what, p).find(p).height_at_axis, 0.2, 1e-12);
+}
+
 }  // namespace
 }  // namespace talus

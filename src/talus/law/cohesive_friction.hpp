@@ -62,12 +62,15 @@ struct CohesiveFriction : Elasticity {
     const R w_end = select(carries, w + R(M_psi) * dkappa, w);
     const R p = select(carries, max(R(K) * w_end, R(apex)), R(apex));
 
+    // Plastic work at the mean of the stresses at both ends, so that with what is stored it is the work of the strain.
+    const R q_before = R(1.5) * double_dot(deviator(state.stress), s_trial) / max(q_trial, R(1e-300));
+    const R dilating = select(carries, R(0.5) * (pressure(state.stress) + p) * R(M_psi), zero);
     const R closing = min(w_end, R(closed())) - min(state.compression, R(closed()));
     state.stress = stress_from(q / max(q_trial, R(1e-300)) * s_trial, p);
     state.compression = w_end;
     state.kappa = state.kappa + dkappa;
     state.volume_ratio = state.volume_ratio * exp(trace(strain));
-    const R work = select(carries, (q - p * R(M_psi)) * dkappa, zero) + R(apex) * closing;
+    const R work = (R(0.5) * (q_before + q) - dilating) * dkappa + R(apex) * closing;
     return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, zero};
   }
 

@@ -256,6 +256,14 @@ void OutlineFinder::find_deposit(const ParticlePlaces& particles, Outline& outli
   outline.surface = surface_of(rings);
 }
 
+namespace {
+
+/// A layer that has spread around its axis to q times its radius has no particle within q/2 of the particles' spacing
+/// there: in one cell from the axis the surface would seem to be where the last of them stays.
+constexpr double near_axis_cells = 2;
+
+}  // namespace
+
 Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   Outline outline;
   const std::vector<Vec<3>>& places = particles.places;
@@ -274,7 +282,7 @@ Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   std::vector<Reach> near_axis;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double r = radius_of(places[i]);
-    if (r <= cell_) near_axis.push_back({places[i][up], half_sizes_[i]});
+    if (r <= near_axis_cells * cell_) near_axis.push_back({places[i][up], half_sizes_[i]});
     along[i] = {r, half_sizes_[i]};
   }
   outline.height_at_axis = near_axis.empty() ? 0 : connected_range(near_axis, cell_).second - floor_;

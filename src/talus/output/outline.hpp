@@ -32,7 +32,7 @@ struct Outline {
   double farthest_max[2] = {0, 0};  ///< [m]
   double farthest_radius = 0;       ///< from the axis, not in plane strain [m]
   double height = 0;                ///< highest point above the lowest side of the domain [m]
-  double height_at_axis = 0;        ///< the same within a cell of the axis [m]
+  double height_at_axis = 0;        ///< the same within two cells of the axis [m]
   Surface surface;
 };
 
