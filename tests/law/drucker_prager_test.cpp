@@ -264,7 +264,8 @@ TEST(DruckerPrager, RandomStepsNeverLeaveTheConeOrCreateEnergyOrNumbers) {
         if (std::min(s.compression, before.compression) < law.closed()) continue;
         const double work = 0.5 * double_dot(before.stress + s.stress, strain);
         const double stored = law.elastic_energy(s) - law.elastic_energy(before);
-        ASSERT_NEAR(r.plastic_work, work - stored, 1e-9 * (std::abs(work) + law.elastic_energy(before) + law.elastic_energy(s)));
+        ASSERT_NEAR(r.plastic_work, work - stored,
+                    1e-9 * (std::abs(work) + law.elastic_energy(before) + law.elastic_energy(s)));
       }
     }
   for (Outcome o : {Outcome::elastic, Outcome::plastic, Outcome::separated}) EXPECT_GT(visited[int(o)], 500);

@@ -1,12 +1,25 @@
 #pragma once
 /// Isotropic linear elasticity in rate form (hypoelastic, with the objective rate of the solver): a baseline.
+///
+/// With Cauchy's stress sigma in the rate form, as most codes have it, large strains in a closed loop create or take
+/// energy, the relative volume change times what is stored. With Kirchhoff's, tau = J sigma, it is Hencky's elasticity tau
+/// = K ln J 1 + 2 G dev ln V (1928, Z. Tech. Phys. 9:215) as long as nothing turns: all work is stored.
 
 #include "talus/law/law.hpp"
 #include "talus/mechanics/elasticity.hpp"
 
 namespace talus {
 
+enum class StressMeasure { cauchy, kirchhoff };
+inline constexpr Choice stress_measure_choices[] = {
+    {"cauchy", "force over the present area, as most codes have it"},
+    {"kirchhoff",
+     "force over the present area, times the volume over that at the start: large strains store their work"},
+};
+
 struct LinearElastic : Elasticity {
+  StressMeasure measure = StressMeasure::cauchy;
+
   TALUS_HD void prepare() {}
 
   template <class R>
@@ -18,9 +31,15 @@ struct LinearElastic : Elasticity {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const R zero = R(0.0);
-    state.stress = state.stress + stress_increment(motion.strain);
-    state.volume_ratio = state.volume_ratio * exp(trace(motion.strain));
-    return {R(double(Outcome::elastic)), R(wave_modulus()), zero, zero, zero};
+    const R before = state.volume_ratio;
+    state.volume_ratio = before * exp(trace(motion.strain));
+    if (measure == StressMeasure::cauchy) {
+      state.stress = state.stress + stress_increment(motion.strain);
+      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, zero, zero};
+    }
+    const R per_volume = R(1.0) / state.volume_ratio;
+    state.stress = per_volume * (before * state.stress + stress_increment(motion.strain));
+    return {R(double(Outcome::elastic)), R(wave_modulus()) * per_volume, zero, zero, zero};
   }
 
   template <class R>
@@ -29,7 +48,8 @@ struct LinearElastic : Elasticity {
   }
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    return energy_density(state.stress);
+    const R density = energy_density(state.stress);
+    return measure == StressMeasure::cauchy ? density : state.volume_ratio * density;
   }
   template <class R>
   TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
@@ -47,12 +67,21 @@ struct LinearElastic : Elasticity {
   static constexpr std::string_view name = "linear_elastic";
   static constexpr std::string_view meaning = "isotropic linear elasticity";
   static std::span<const ParameterOf<LinearElastic>> parameters();
-  static std::span<const OptionOf<LinearElastic>> options() { return {}; }
+  static std::span<const OptionOf<LinearElastic>> options();
   static std::span<const QuantityOf<LinearElastic>> quantities();
 };
 
 inline std::span<const ParameterOf<LinearElastic>> LinearElastic::parameters() {
   static const ParameterOf<LinearElastic> table[] = {youngs_modulus<LinearElastic>(), poissons_ratio<LinearElastic>()};
+  return table;
+}
+
+inline std::span<const OptionOf<LinearElastic>> LinearElastic::options() {
+  static const OptionOf<LinearElastic> table[] = {
+      {{"stress_measure", "stress whose rate follows the rate of strain", stress_measure_choices},
+       [](LinearElastic& l, int choice) { l.measure = StressMeasure(choice); },
+       [](const LinearElastic& l) { return int(l.measure); }},
+  };
   return table;
 }
 

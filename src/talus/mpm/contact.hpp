@@ -9,8 +9,17 @@
 /// It acts twice a step. When momentum has come to the nodes, what would pass is taken before strains are found; of this
 /// impulse the particles feel the share that they take from the nodes' velocities, so that only this share presses. When
 /// forces have acted, the impulse they call up is felt in full.
+///
+/// A node's velocity is the mean of the particles around it. Where material that presses on a surface expands, that mean
+/// leaves the surface although the material on it does not; where it shears, the mean slides. So a contact on which stress
+/// has pressed in the last step is closed, and if friction has held what pressed, it sticks: strains are found with the
+/// node held until no stress presses any more, or friction holds no more. Otherwise what touches the surface would keep
+/// the stress that it gives up by expanding, and would leave with more energy than it came with.
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <vector>
 
 #include "talus/mpm/boundary.hpp"
 
@@ -20,11 +29,14 @@ namespace talus {
 struct NodeContact {
   int node;  ///< in its tile
   Wall surface;
-  Vec<3> normal;       ///< of unit length, out of the surface
-  Vec<3> velocity{};   ///< of the surface [m/s]
-  bool holds = false;  ///< has taken something of the velocity that momentum brought
-  double pressed = 0;  ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
-  Vec<3> impulse{};    ///< given to the node when forces had acted [N s]
+  Vec<3> normal;        ///< of unit length, out of the surface
+  Vec<3> velocity{};    ///< of the surface [m/s]
+  int number = 0;       ///< of the surface: solids are counted first, then the sides of the domain
+  bool closed = false;  ///< stress has pressed on it in the last step
+  bool sticks = false;  ///< and friction has held what pressed
+  bool holds = false;   ///< has stopped what momentum would have brought through the surface
+  double pressed = 0;   ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
+  Vec<3> impulse{};     ///< given to the node when forces had acted [N s]
 };
 
 /// A velocity without what would pass the surface, or leave it where it may not; where material sticks, the surface's.
@@ -35,14 +47,25 @@ inline Vec<3> admitted(const NodeContact& c, const Vec<3>& v) {
   return v - leaving * c.normal;
 }
 
-/// The velocity after the step of a node that without contact would have the velocity `trial`.
-inline Vec<3> after_contact(const NodeContact& c, const Vec<3>& trial) {
+/// The velocity that strains are found with, of a node to which momentum has brought the velocity v.
+inline Vec<3> at_start(const NodeContact& c, const Vec<3>& v) {
+  if (c.sticks) return c.velocity;
+  return c.closed ? v - dot(v - c.velocity, c.normal) * c.normal : admitted(c, v);
+}
+
+/// What is left of the velocity that a node would reach without contact.
+struct AfterContact {
+  Vec<3> velocity;
+  bool sticks;  ///< friction holds it on the surface
+};
+inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial) {
   const Vec<3> v = admitted(c, trial);
-  if (c.surface.kind != WallKind::friction) return v;
+  if (c.surface.kind != WallKind::friction) return {v, false};
   const double pressed = dot(v - trial, c.normal) + c.pressed;
   const Vec<3> relative = v - c.velocity, sliding = relative - dot(relative, c.normal) * c.normal;
   const double speed = std::sqrt(dot(sliding, sliding)), held = std::max(0.0, c.surface.friction * pressed);
-  return speed <= held ? v - sliding : v - (held / speed) * sliding;
+  if (speed <= held) return {v - sliding, true};
+  return {v - (held / speed) * sliding, false};
 }
 
 /// Finds the nodes where contacts act.
@@ -59,15 +82,20 @@ class ContactFinder {
   /// Whether there is anything to meet.
   bool any() const { return any_; }
 
-  /// The contacts of a tile's nodes at time t, solids before walls. The grid's sums hold the momentum of all tiles.
+  /// The contacts of a tile's nodes at time t, solids before walls; `found` holds those of before, of which the closed
+  /// ones stay closed. The grid's sums hold the momentum of all tiles.
   void find(Grid<Dim, Shape>& grid, const Boundary<Dim, Shape>& boundary, int t, double time, double least_mass,
             std::vector<NodeContact>& found) const {
+    std::vector<NodeContact> closed;
+    std::copy_if(found.begin(), found.end(), std::back_inserter(closed), [](const NodeContact& c) { return c.closed; });
     found.clear();
     const Index<Dim>& place = grid.tile(t).place;
     const auto counts = [&](int node) {
       return grid.sums(t)[node][3] > least_mass && !(boundary.near_wall(t) && boundary.is_image(place, node));
     };
+    int number = -1;
     for (const Solid& solid : domain_.solids) {
+      ++number;
       const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
       const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
       if (solid.at(middle, time, Dim).distance > reach) continue;
@@ -75,19 +103,29 @@ class ContactFinder {
         if (!counts(node)) continue;
         const Vec<3> x = place_of(boundary.global(place, node));
         if (solid.at(x, time, Dim).distance > margin * domain_.h) continue;
-        found.push_back(
-            {node, solid.contact, normal_towards_material(grid, t, node, solid, x, time), solid.motion.velocity(time)});
+        found.push_back({node, solid.contact, normal_towards_material(grid, t, node, solid, x, time),
+                         solid.motion.velocity(time), number});
       }
     }
-    if (!boundary.near_wall(t)) return;
-    for (int side = 0; side < 2 * Dim; ++side) {
+    for (int side = 0; side < 2 * Dim && boundary.near_wall(t); ++side) {
+      ++number;
       if (!domain_.walls[side].is_contact()) continue;
       const int axis = side / 2, on = side % 2 == 0 ? 0 : domain_.n_cells[axis];
       Vec<3> normal{};
       normal[axis] = side % 2 == 0 ? 1 : -1;
       for (int node = 0; node < Layout::n_nodes; ++node)
         if (boundary.global(place, node)[axis] == on && counts(node))
-          found.push_back({node, domain_.walls[side], normal});
+          found.push_back({node, domain_.walls[side], normal, {}, number});
+    }
+    // Both lists are in the same order.
+    auto next = found.begin();
+    for (const NodeContact& c : closed) {
+      const auto at = std::find_if(next, found.end(),
+                                   [&](const NodeContact& f) { return f.node == c.node && f.number == c.number; });
+      if (at == found.end()) continue;
+      at->closed = true;
+      at->sticks = c.sticks;
+      next = at + 1;
     }
   }
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <map>
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
@@ -286,15 +287,16 @@ class Stepper final : public Simulation {
         if (!counts) return;
         sums.wave_speed2 = std::max(sums.wave_speed2, stiffness / mass);
         sums.grid_work -= 0.5 * dt * dot3(force, v[i] + v_new[i]);
+        sums.gravity_work += 0.5 * dt * mass * dot3(gravity, v[i] + v_new[i]);
         const double speed2 = norm2(v_new[i]);
         sums.new_kinetic += 0.5 * mass * speed2;
         sums.node_speed2 = std::max(sums.node_speed2, speed2);
       });
-      if (contact_finder_.any()) rub(t, dt, sums);
+      if (contact_finder_.any()) rub(t, dt, gravity, sums);
     });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
     boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.acceleration(t); });
-    ledger_.numerical += total.new_kinetic + total.grid_work;
+    ledger_.numerical += total.new_kinetic + total.grid_work - total.gravity_work;
     ledger_.wall_friction += total.wall_friction;
     ledger_.wall_work -= total.wall_work;
     node_speed_ = std::sqrt(total.node_speed2);
@@ -349,14 +351,17 @@ class Stepper final : public Simulation {
       account_particles(t, sums);
       if (!reorder && !sums.bad) give_momentum(t);
     });
+    // Particles go their way with the velocity at the end of the step: what that gives up more than gravity's work.
+    ledger_.numerical += ledger_.potential;
     take(total);
     ledger_.wall_impulse = ledger_.wall_impulse + dt * total.wall_impulse;
-    ledger_.numerical -= ledger_.kinetic;
+    ledger_.numerical -= ledger_.kinetic + ledger_.potential;
     if (total.bad)
       stop("a particle has left the domain",
            [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.places(i, 1))); });
     if (reorder) {
       arrange();
+      count_periods_fallen();
       give_all_momentum();
     }
   }
@@ -379,8 +384,9 @@ class Stepper final : public Simulation {
     for (NodeContact& c : node_contacts_[t]) {
       NodeValue& at_node = grid_.velocity(t)[c.node];
       const NodeValue before = at_node;
-      const Vec<3> v = vector_of(before), met = admitted(c, v);
-      c.holds = met != v;
+      if (felt > 0.5) c.sticks = false;  // friction would be felt that nothing has pressed for
+      const Vec<3> v = vector_of(before), met = at_start(c, v);
+      c.holds = met != v && (c.surface.kind == WallKind::no_slip || !c.surface.separates || dot(v - met, c.normal) < 0);
       set_vector(at_node, met);
       at_node *= boundary_->allowed(grid_.tile(t).place, c.node);
       const double mass = before[3];
@@ -405,25 +411,30 @@ class Stepper final : public Simulation {
 
   /// What contacts make of the velocities that nodes have reached. Their energy goes into work on what moves and into
   /// heat of what rubs.
-  void rub(int t, double dt, TileSums& sums) {
+  void rub(int t, double dt, NodeValue gravity, TileSums& sums) {
     const NodeValue* v = grid_.velocity(t);
     NodeValue* v_new = grid_.new_velocity(t);
     for (NodeContact& c : node_contacts_[t]) {
       const NodeValue trial = v_new[c.node];
-      set_vector(v_new[c.node], after_contact(c, vector_of(trial)));
+      const AfterContact after = after_contact(c, vector_of(trial));
+      set_vector(v_new[c.node], after.velocity);
+      c.sticks = after.sticks;
       v_new[c.node] *= boundary_->allowed(grid_.tile(t).place, c.node);
       const double mass = v[c.node][3];
       const NodeValue change = v_new[c.node] - trial;
       c.impulse = mass * vector_of(change);
       sums.grid_work -= 0.5 * dt * dot3(grid_.sums(t)[c.node], change);
+      sums.gravity_work += 0.5 * dt * mass * dot3(gravity, change);
       sums.new_kinetic += 0.5 * mass * (norm2(v_new[c.node]) - norm2(trial));
       sums.node_speed2 = std::max(sums.node_speed2, norm2(v_new[c.node]));
     }
     // A node may meet several surfaces; what each gave worked on the way that the node went in the end. Along the surface
     // that is friction; across it, where the node came and went within the step, an error of the step.
-    for (const NodeContact& c : node_contacts_[t]) {
+    for (NodeContact& c : node_contacts_[t]) {
       grid_.acceleration(t)[c.node] = NodeValue(1 / dt) * (v_new[c.node] - v[c.node]);
       const Vec<3> sliding = 0.5 * vector_of(v[c.node] + v_new[c.node]) - c.velocity;
+      c.closed = dot(c.impulse, c.normal) > 0 && dot(vector_of(grid_.sums(t)[c.node]), c.normal) < 0;
+      c.sticks &= c.closed;
       const double across = dot(c.impulse, c.normal) * dot(sliding, c.normal);
       sums.wall_work += dot(c.impulse, c.velocity);
       sums.wall_friction += across - dot(c.impulse, sliding);
@@ -763,15 +774,21 @@ class Stepper final : public Simulation {
   static double norm2(NodeValue v) { return dot3(v, v); }
 
   void arrange() {
+    std::map<Index<Dim>, std::vector<NodeContact>> contacts;
+    for (std::size_t t = 0; t < node_contacts_.size(); ++t)
+      if (!node_contacts_[t].empty()) contacts[grid_.tile(int(t)).place] = std::move(node_contacts_[t]);
     put_in_cell_order(bodies_, domain_, grid_, loop_);
     settle_on_grid();
+    for (int t = 0; t < grid_.n_tiles() && !contacts.empty(); ++t)
+      if (const auto at = contacts.find(grid_.tile(t).place); at != contacts.end())
+        node_contacts_[t] = std::move(at->second);
     drift_ = 0;
   }
 
   /// What follows from the arrangement of particles and tiles.
   void settle_on_grid() {
     boundary_.emplace(domain_, grid_);
-    node_contacts_.resize(grid_.n_tiles());
+    node_contacts_.assign(grid_.n_tiles(), {});
     deal_out_tiles();
   }
 
@@ -788,6 +805,16 @@ class Stepper final : public Simulation {
     for (int w = 0; w <= loop_.n_workers(); ++w)
       shares_.push_back(
           int(std::lower_bound(work.begin(), work.end(), work.back() * w / loop_.n_workers()) - work.begin()));
+  }
+
+  /// Particles that came round along a periodic axis have been lifted by a period: it was there to be released too.
+  void count_periods_fallen() {
+    bool falls = false;
+    for (int a = 0; a < Dim; ++a) falls |= domain_.is_periodic(a) && gravity_[a] != 0;
+    if (!falls) return;
+    const double before = ledger_.potential;
+    take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
+    ledger_.initial += ledger_.potential - before;
   }
 
   void set_least_mass() { least_mass_ = 1e-12 * ledger_.mass / std::max(1L, n_particles()); }
@@ -910,6 +937,14 @@ void Stepper<Dim, Shape>::save(const TakeNumbers& take) const {
     for (const Index<Dim>& corner : {grid_.tile(int(t)).place, grid_.cells()[t].low, grid_.cells()[t].high})
       for (int a = 0; a < Dim; ++a) tiles.push_back(corner[a]);
   take("tiles", tiles);
+  std::vector<double> closed{0};  // their number; tile, node and surface of every closed contact, and whether it sticks
+  for (std::size_t t = 0; t < node_contacts_.size(); ++t)
+    for (const NodeContact& c : node_contacts_[t])
+      if (c.closed) {
+        ++closed[0];
+        closed.insert(closed.end(), {double(t), double(c.node), double(c.number), double(c.sticks)});
+      }
+  take("closed contacts", closed);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     std::vector<double> begins;
     for (const TileParticles& tile : bodies_[b].tiles) begins.push_back(tile.begin);
@@ -958,6 +993,13 @@ void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
       }
   }
   settle_on_grid();
+  const std::vector<double> closed = give("closed contacts");
+  for (std::size_t i = 1; i + 3 < closed.size(); i += 4) {
+    if (!(closed[i] >= 0 && closed[i] < grid_.n_tiles()))
+      throw std::runtime_error("`closed contacts` has a tile that is not there");
+    node_contacts_[std::size_t(closed[i])].push_back(
+        {int(closed[i + 1]), {}, {}, {}, int(closed[i + 2]), true, closed[i + 3] != 0});
+  }
   set_least_mass();
   give_all_momentum();
 }

@@ -14,6 +14,7 @@ struct TileSums {
   double averaging = 0;         ///< elastic energy lost in this step when compression was averaged [J]
   double internal_work = 0;     ///< of the stress on the particles' strain in this step [J]
   double grid_work = 0;         ///< of the same stress on the motion of the nodes in this step [J]
+  double gravity_work = 0;      ///< on the motion of the nodes in this step [J]
   double plastic_work = 0;      ///< the part turned into heat by friction [J]
   double collisional_work = 0;  ///< the part done against collisional stress [J]
   double held_kinetic = 0;      ///< of the nodes before the step [J]
@@ -41,6 +42,7 @@ inline void TileSums::add(const TileSums& o) {
   averaging += o.averaging;
   internal_work += o.internal_work;
   grid_work += o.grid_work;
+  gravity_work += o.gravity_work;
   plastic_work += o.plastic_work;
   collisional_work += o.collisional_work;
   held_kinetic += o.held_kinetic;
