@@ -79,13 +79,17 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
   }
   if (plots.empty()) return true;
   write_text(folder / (panel.name + ".dat"), data);
-  std::string script = fmt::format(
-      "set terminal svg size 560,420 font 'sans,12' background '#ffffff'\nset output "
-      "'{}.svg'\n",
-      panel.name);
-  script +=
-      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key outside bottom center horizontal height 1 "
-      "noenhanced\n";
+  // A key of one column below the plot, which as many curves make so much higher: beside each other long labels do not
+  // fit, and gnuplot then leaves out the whole key.
+  const int width = 560, height = 360 + 15 * int(plots.size());
+  std::string script =
+      fmt::format("set terminal svg size {},{} font 'sans,12' background '#ffffff'\nset output '{}.svg'\n", width,
+                  height, panel.name);
+  script += fmt::format(
+      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key below vertical maxcols 1 maxrows {} Left "
+      "reverse "
+      "samplen 3 height 1 noenhanced font ',10'\n",
+      plots.size());
   if (!panel.title.empty()) script += "set title " + gnuplot_text(panel.title) + "\n";
   const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};
   for (const auto& [letter, axis] : axes) {
@@ -95,9 +99,9 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
   }
   script += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
   script += fmt::format(
-      "set terminal pngcairo size 1120,840 font 'sans,12' fontscale 1.6 linewidth 1.6 pointscale 1.6 "
+      "set terminal pngcairo size {},{} font 'sans,12' fontscale 1.6 linewidth 1.6 pointscale 1.6 "
       "background '#ffffff'\nset output '{}.png'\nreplot\n",
-      panel.name);
+      2 * width, 2 * height, panel.name);
   write_text(folder / (panel.name + ".gp"), script);
   return run_gnuplot(folder / (panel.name + ".gp"));
 }
