@@ -386,7 +386,8 @@ class Stepper final : public Simulation {
       const NodeValue before = at_node;
       if (felt > 0.5) c.sticks = false;  // friction would be felt that nothing has pressed for
       const Vec<3> v = vector_of(before), met = at_start(c, v);
-      c.holds = met != v && (c.surface.kind == WallKind::no_slip || !c.surface.separates || dot(v - met, c.normal) < 0);
+      const bool leaves = dot(v - met, c.normal) >= 0;
+      c.holds = met != v && !(leaves && c.surface.separates);
       set_vector(at_node, met);
       at_node *= boundary_->allowed(grid_.tile(t).place, c.node);
       const double mass = before[3];
@@ -937,7 +938,8 @@ void Stepper<Dim, Shape>::save(const TakeNumbers& take) const {
     for (const Index<Dim>& corner : {grid_.tile(int(t)).place, grid_.cells()[t].low, grid_.cells()[t].high})
       for (int a = 0; a < Dim; ++a) tiles.push_back(corner[a]);
   take("tiles", tiles);
-  std::vector<double> closed{0};  // their number; tile, node and surface of every closed contact, and whether it sticks
+  // Tile, node and surface of every closed contact, and whether it sticks; first how many, for arrays are never empty.
+  std::vector<double> closed{0};
   for (std::size_t t = 0; t < node_contacts_.size(); ++t)
     for (const NodeContact& c : node_contacts_[t])
       if (c.closed) {

@@ -86,9 +86,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
       fmt::format("set terminal svg size {},{} font 'sans,12' background '#ffffff'\nset output '{}.svg'\n", width,
                   height, panel.name);
   script += fmt::format(
-      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\nset key below vertical maxcols 1 maxrows {} Left "
-      "reverse "
-      "samplen 3 height 1 noenhanced font ',10'\n",
+      "set grid lc '#dddddd'\nset border 3\nset tics nomirror\n"
+      "set key below vertical maxcols 1 maxrows {} Left reverse samplen 3 height 1 noenhanced font ',10'\n",
       plots.size());
   if (!panel.title.empty()) script += "set title " + gnuplot_text(panel.title) + "\n";
   const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};

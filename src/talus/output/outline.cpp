@@ -12,6 +12,10 @@ namespace talus {
 
 namespace {
 
+/// How near the axis heights there are taken, in cells. A layer that has spread to q times its radius has no particle
+/// within q/2 of their spacing of the axis: in one cell the surface would seem to be where the last of them stay.
+constexpr double near_axis_cells = 2;
+
 /// One particle along some coordinate: where its centre is, and how far it reaches beyond.
 struct Reach {
   double centre, half;
@@ -255,14 +259,6 @@ void OutlineFinder::find_deposit(const ParticlePlaces& particles, Outline& outli
   }
   outline.surface = surface_of(rings);
 }
-
-namespace {
-
-/// A layer that has spread around its axis to q times its radius has no particle within q/2 of the particles' spacing
-/// there: in one cell from the axis the surface would seem to be where the last of them stays.
-constexpr double near_axis_cells = 2;
-
-}  // namespace
 
 Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   Outline outline;
