@@ -36,6 +36,7 @@ struct GranularOf {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
     Response<R> response = frictional.update(state.frictional, motion, how);
+    const SymTensor<R> before = collisional_stress(state);
     const R p_f = pressure(state.frictional.stress);
     const R void_ratio = frictional.specific_volume(state.frictional) - R(1.0);
     MuI::Collision<R> c;
@@ -51,7 +52,7 @@ struct GranularOf {
     else
       state.collisional = c.stress;
     response.viscosity = select(apart, R(0.0), c.viscosity);
-    response.collisional_work = double_dot(c.stress, motion.strain);
+    response.collisional_work = R(0.5) * double_dot(before + c.stress, motion.strain);
     return response;
   }
 

@@ -135,13 +135,16 @@ struct Simsand {
   /// shear, at the present stiffness.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    const R p = pressure(state.stress);
-    const mask_t<R> carries = p > R(0.0);
-    const R a = growth(state.skeleton_void_ratio);
-    const R x = max(state.x, R(1e-300));
+    const R p = pressure(state.stress), x = max(state.x, R(1e-300));
+    const R compression = p * x / (R(exponent() + 1) * growth(state.skeleton_void_ratio));
+    return select(p > R(0.0), compression, R(0.0)) + stored_in_shear(state);
+  }
+  template <Number R>
+  TALUS_HD R stored_in_shear(const State<R>& state) const {
+    const R p = pressure(state.stress), x = max(state.x, R(1e-300));
     const SymTensor<R> s = deviator(state.stress);
-    const R shear = R(0.25) * double_dot(s, s) * x / (R(shear_to_bulk() * exponent()) * a * max(p, R(1e-300)));
-    return select(carries, p * x / (R(exponent() + 1) * a) + shear, R(0.0));
+    const R stiffness = R(shear_to_bulk() * exponent()) * growth(state.skeleton_void_ratio) * max(p, R(1e-300)) / x;
+    return select(p > R(0.0), R(0.25) * double_dot(s, s) / stiffness, R(0.0));
   }
 
   template <class R>

@@ -243,7 +243,7 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
       open = open & !sure;
     }
   }
-  const R x = r.x;
+  const R x = r.x, stored_in_shear = law.stored_in_shear(state);
 
   const M carries = !lost;
   const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
@@ -261,7 +261,12 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
   response.outcome = select(open, R(double(Outcome::unconverged)), response.outcome);
   response.stiffness = select(carries, law.wave_modulus(law.bulk_modulus(trial.a, r.p, x)), zero);
   response.viscosity = zero;
-  response.plastic_work = select(carries, r.p * (R(law.A_d) * (r.M_pt - r.eta()) + r.eta()) * r.dkappa, zero);
+  // At the mean of the stresses at both ends, as the work of the strain is. Where contacts are lost, friction has all that
+  // was stored in shear too.
+  const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) / max(r.q_trial, R(1e-300));
+  const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + r.p * r.eta());
+  response.plastic_work = select(carries, (p_mean * R(law.A_d) * (r.M_pt - r.eta()) + q_mean) * r.dkappa,
+                                 R(0.5) * equation.se + stored_in_shear);
   response.collisional_work = zero;
   return response;
 }

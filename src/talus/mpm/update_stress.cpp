@@ -133,9 +133,8 @@ TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const 
     const SymTensor<Pack> flux = volume * Law::total_stress(state);
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
-    // With F-bar the material feels the mean rate and the nodes the particle's own: what that costs is numerical.
-    const SymTensor<Pack>& felt = f_bar ? motion.strain_rate : rate;
-    total.internal_work += Pack(0.5 * how.dt) * double_dot(old_flux + flux, felt);
+    // With means over cells the material feels the mean rate and the nodes the particle's own: what that costs is numerical.
+    total.internal_work += Pack(0.5) * double_dot(old_flux + flux, motion.strain);
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
