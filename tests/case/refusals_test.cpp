@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -77,6 +78,14 @@ TEST_F(Refusal, AStepLongerThanWavesTakeThroughACell) {
   EXPECT_EQ(said([&] { read_case_text("case.toml", with_step("0.499 ms")); }), "nothing");
   expect(with_step("0.501 ms"),
          "numerics.dt = \"0.501 ms\" is not stable: at the start, waves and particles cross a cell in 0.5 ms");
+}
+
+TEST_F(Refusal, AMissingSizeIsOneMistakeAndNotEveryoneItWouldHaveBeenComparedWith) {
+  for (const std::string line : {"cell = \"2 mm\"", "min = [\"-240 mm\", \"0 mm\"]", "max = [\"240 mm\", \"64 mm\"]"}) {
+    const std::string s = said([&] { read_case_text("case.toml", slump(line + "\n", "\n"), folder_.string()); });
+    EXPECT_NE(s.find("is missing"), std::string::npos) << s;
+    EXPECT_EQ(std::count(s.begin(), s.end(), '\n'), 0) << s;
+  }
 }
 
 TEST_F(Refusal, RunsThatNeverEnd) {

@@ -100,13 +100,15 @@ void read_domain(Section& root, Case& what) {
   what.axisymmetric = kind == 2;
   const Parameter min{"min", "m", {}, "lower corner of the domain"}, max{"max", "m", {}, "upper corner of the domain"};
   what.domain = {vector_of(s.numbers(min, what.dim)), vector_of(s.numbers(max, what.dim))};
+  const bool known = s.has("min") && s.has("max");
+  if (!known) what.domain = {};  // nothing is held against half a domain
   what.cell = s.number({"cell", "m", Range::positive(), "size of the grid's cells"});
   what.gravity = vector_of(
       s.numbers({"gravity", "m/s2", {}, "acceleration of gravity, such as [\"0 m/s2\", \"-9.81 m/s2\"]"}, what.dim));
   for (int a = 0; a < what.dim; ++a) {
     const double length = what.domain.max[a] - what.domain.min[a];
     if (!(length > 0)) {
-      s.complain("max", fmt::format("must lie above `min` along {}", axis_names[a]));
+      if (known) s.complain("max", fmt::format("must lie above `min` along {}", axis_names[a]));
       continue;
     }
     if (!(what.cell > 0)) continue;
@@ -386,19 +388,20 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
 
     const Box box = bounding_box(body.region, what.dim), kept = kept_by_symmetry(what);
     for (int a = 0; a < what.dim; ++a)
-      if (std::max(box.min[a], kept.min[a]) < what.domain.min[a] - 1e-9 * what.cell ||
-          std::min(box.max[a], kept.max[a]) > what.domain.max[a] + 1e-9 * what.cell) {
+      if (what.domain.max[a] > what.domain.min[a] &&
+          (std::max(box.min[a], kept.min[a]) < what.domain.min[a] - 1e-9 * what.cell ||
+           std::min(box.max[a], kept.max[a]) > what.domain.max[a] + 1e-9 * what.cell)) {
         s.complain(fmt::format("lies outside the domain along {}: {} to {}, the domain reaches from {} to {}",
                                axis_names[a], with_unit(box.min[a], "m"), with_unit(box.max[a], "m"),
                                with_unit(what.domain.min[a], "m"), with_unit(what.domain.max[a], "m")));
         break;
       }
     const double largest = largest_particle(body, what.dim);
-    if (s.has("points") && largest > what.cell * (1 + 1e-9))
+    if (s.has("points") && what.cell > 0 && largest > what.cell * (1 + 1e-9))
       s.complain("points",
                  fmt::format("hold a particle of edge {}, larger than the cells ({}): the grid would see holes",
                              with_unit(largest, "m"), with_unit(what.cell, "m")));
-    if (body.spacing > what.cell)
+    if (what.cell > 0 && body.spacing > what.cell)
       s.complain("spacing",
                  fmt::format("is larger than the cells ({}): the grid would see holes; at most half a cell is usual",
                              with_unit(what.cell, "m")));
