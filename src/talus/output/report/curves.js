@@ -6,6 +6,13 @@
   const charts = JSON.parse(document.getElementById("charts").textContent);
   let instant = NaN;
 
+  const plain = (v) => String(Number(v.toPrecision(6)));
+  // Beside an axis what rounding leaves of 0 is 0.
+  const beside = (range) => (v, granularity, options, graph) => {
+    const [low, high] = range(graph);
+    return Math.abs(v) < 1e-9 * (high - low) ? "0" : plain(v);
+  };
+
   window.talus_curves = charts.map((chart) => {
     const place = document.getElementById("chart-" + chart.name);
     const drawn = new Dygraph(place, rows.map((r) => [r[chart.x_column - 1] * chart.x_scale, ...chart.curves.map((c) => r[c.column - 1] * chart.y_scale)]), {
@@ -20,8 +27,9 @@
       gridLineColor: "#e0e0e0",
       axisLineColor: "#888",
       yRangePad: 6,
-      axes: {x: {valueFormatter: (v) => `${chart.x_label.split(" ")[0]} ${Number(v.toPrecision(6))} s`, pixelsPerLabel: 70},
-             y: {valueFormatter: (v) => String(Number(v.toPrecision(6))), axisLabelWidth: 70}},
+      axes: {x: {valueFormatter: (v) => `${chart.x_label.split(" ")[0]} ${plain(v)} s`,
+                 axisLabelFormatter: beside((graph) => graph.xAxisRange()), pixelsPerLabel: 70},
+             y: {valueFormatter: plain, axisLabelFormatter: beside((graph) => graph.yAxisRange()), axisLabelWidth: 70}},
       underlayCallback: (pen, area, graph) => {
         const x = graph.toDomXCoord(instant);
         if (!(x >= area.x && x <= area.x + area.w)) return;
