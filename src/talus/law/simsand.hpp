@@ -139,6 +139,7 @@ struct Simsand {
     const R compression = p * x / (R(exponent() + 1) * growth(state.skeleton_void_ratio));
     return select(p > R(0.0), compression, R(0.0)) + stored_in_shear(state);
   }
+  /// Its part by shear [J/m3]: what friction gets where contacts are lost.
   template <Number R>
   TALUS_HD R stored_in_shear(const State<R>& state) const {
     const R p = pressure(state.stress), x = max(state.x, R(1e-300));
