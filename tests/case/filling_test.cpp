@@ -196,7 +196,7 @@ TEST_F(FilesOfACase, AMotionMayStandInAFile) {
       "spacing = \"0.5 m\"\nbox = { min = [\"1 m\", \"1 m\"], max = [\"2 m\", \"2 m\"] }\n[solid.s]\n"
       "sphere = { centre = [\"6 m\", \"5 m\"], radius = \"1 m\" }\ncontact = \"slip\"\n";
   const Case c = read(with_body(solid, "motion = { file = \"m.csv\" }"));
-  EXPECT_DOUBLE_EQ(c.solids[0].motion.displacement(0.75)[1], 0.25);
+  EXPECT_DOUBLE_EQ(c.solids[0].motion.displacement.at(0.75)[1], 0.25);
   write("m.csv", "time,x\n0,0\n");
   expect(with_body(solid, "motion = { file = \"m.csv\" }"), "has no column `y`");
   write("m.csv", "time,x,y\n0,0,0\n1,0,oops\n");

@@ -364,8 +364,8 @@ motion = { velocity = ["0 m/s", "0.56 m/s"], from = "10 ms", until = "60 ms" })"
   ASSERT_EQ(c.solids.size(), 1u);
   EXPECT_EQ(c.solids[0].name, "gate");
   EXPECT_EQ(c.solids[0].contact, Wall(WallKind::friction, 0.2, true));
-  EXPECT_DOUBLE_EQ(c.solids[0].motion.displacement(1)[1], 0.028);
-  EXPECT_EQ(c.solids[0].motion.velocity(0.02)[1], 0.56);
+  EXPECT_DOUBLE_EQ(c.solids[0].motion.at(1).displacement[1], 0.028);
+  EXPECT_EQ(c.solids[0].motion.at(0.02).velocity[1], 0.56);
   const Case ramp =
       read_case_text("case.toml", with_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [-3, 4] }
 contact = "slip"
@@ -373,7 +373,24 @@ motion = { times = ["1 s", "2 s"], displacements = [["0 m", "0 m"], ["1 mm", "0 
           .what;
   EXPECT_DOUBLE_EQ(std::get<HalfSpace>(ramp.solids[0].shape).normal[0], -0.6);
   EXPECT_EQ(ramp.solids[0].contact, Wall(WallKind::slip, 0, true));
-  EXPECT_DOUBLE_EQ(ramp.solids[0].motion.velocity(1.5)[0], 1e-3);
+  EXPECT_DOUBLE_EQ(ramp.solids[0].motion.at(1.5).velocity[0], 1e-3);
+}
+
+TEST(ReadCase, ASolidMayBeHollowAndMayTurn) {
+  const Case c = read_case_text("case.toml", with_solid(R"(sphere = { centre = ["0 mm", "30 mm"], radius = "300 mm" }
+hollow = true
+contact = "no_slip"
+motion = { rotation = { centre = ["0 mm", "30 mm"], rate = "30 deg/s", from = "1 s", until = "4 s" } })"))
+                     .what;
+  EXPECT_TRUE(c.solids[0].hollow);
+  EXPECT_NEAR(c.solids[0].motion.angle.at(9), std::numbers::pi / 2, 1e-12);
+  EXPECT_NEAR(c.solids[0].motion.at(2).velocity_at({0.3, 0.03, 0})[1], 0.3 * std::numbers::pi / 6, 1e-12);
+  const Case blade = read_case_text("case.toml", with_solid(gate + R"(
+contact = "slip"
+motion = { velocity = ["0 m/s", "1 m/s"], rotation = { centre = ["42 mm", "60 mm"], times = ["0 s", "1 s"], angles = ["0 deg", "-45 deg"] } })"))
+                         .what;
+  EXPECT_NEAR(blade.solids[0].motion.angle.at(0.5), -std::numbers::pi / 8, 1e-12);
+  EXPECT_EQ(blade.solids[0].motion.displacement.at(0.5)[1], 0.5);
 }
 
 TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
@@ -392,7 +409,18 @@ TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
   expect_complaint_about_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [0, 0] })" + rough,
                                "must not be zero");
   expect_complaint_about_solid(gate + rough + "\nmotion = {}",
-                               "must have exactly one of `velocity`, `displacements` and `file`");
+                               "must have exactly one of `velocity`, `displacements` and `file`, or `rotation`");
+  const auto turning = [&](const std::string& keys) {
+    return gate + rough + "\nmotion = { rotation = { centre = [\"0 m\", \"0 m\"]" + keys + " } }";
+  };
+  expect_complaint_about_solid(turning(""), "must have exactly one of `rate` and `angles`");
+  expect_complaint_about_solid(turning(", rate = \"2 m/s\""), "is not");
+  expect_complaint_about_solid(turning(", rate = \"2 Hz\""), "is not");
+  expect_complaint_about_solid(turning(", rate = \"2 rad/s\", times = [\"0 s\"]"), "goes with `angles` only");
+  expect_complaint_about_solid(turning(", angles = [\"2 rad\"], from = \"1 s\""), "goes with `rate` only");
+  expect_complaint_about_solid(turning(", angles = [\"2 rad\"], times = [\"1 s\", \"2 s\"]"), "are 1 for 2 `times`");
+  expect_complaint_about_solid(turning(", rate = \"2 rad/s\", until = \"0 s\""), "must be greater than 0");
+  expect_complaint_about_solid(turning(", rate = \"2 rad/s\", axis = [0, 1, 0]"), "axis");
   expect_complaint_about_solid(
       gate + rough + "\nmotion = { velocity = [\"0 m/s\", \"1 m/s\"], from = \"2 s\", until = \"1 s\" }",
       "must be later than `from`");

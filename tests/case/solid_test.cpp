@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 namespace talus {
 namespace {
@@ -57,19 +58,69 @@ TEST(Solid, ThicknessIsThatOfTheThinnestPart) {
 
 TEST(Solid, AMotionIsAFunctionOfTimeAlone) {
   const PrescribedMotion rest;
-  EXPECT_EQ(rest.displacement(3), (Vec<3>{}));
-  EXPECT_EQ(rest.velocity(3), (Vec<3>{}));
-  const PrescribedMotion gate{{0.1}, {Vec<3>{}}, {0, 0.56, 0}};
-  EXPECT_EQ(gate.displacement(0.05), (Vec<3>{}));
-  EXPECT_DOUBLE_EQ(gate.displacement(0.2)[1], 0.056);
-  EXPECT_EQ(gate.velocity(0.0999), (Vec<3>{}));
-  EXPECT_EQ(gate.velocity(0.1)[1], 0.56);
-  const PrescribedMotion table{{1, 2, 4}, {Vec<3>{}, {1, 0, 0}, {1, 6, 0}}, {}};
-  EXPECT_EQ(table.displacement(1.5)[0], 0.5);
-  EXPECT_EQ(table.velocity(2), (Vec<3>{0, 3, 0}));
-  EXPECT_EQ(table.displacement(3)[1], 3);
-  EXPECT_EQ(table.displacement(9), (Vec<3>{1, 6, 0}));
-  EXPECT_EQ(table.velocity(4), (Vec<3>{}));
+  EXPECT_TRUE(rest.rests());
+  EXPECT_EQ(rest.at(3).displacement, (Vec<3>{}));
+  EXPECT_EQ(rest.at(3).velocity_at({1, 2, 3}), (Vec<3>{}));
+  const LinearInTime<Vec<3>> gate{{0.1}, {Vec<3>{}}, {0, 0.56, 0}};
+  EXPECT_EQ(gate.at(0.05), (Vec<3>{}));
+  EXPECT_DOUBLE_EQ(gate.at(0.2)[1], 0.056);
+  EXPECT_EQ(gate.rate(0.0999), (Vec<3>{}));
+  EXPECT_EQ(gate.rate(0.1)[1], 0.56);
+  const LinearInTime<Vec<3>> table{{1, 2, 4}, {Vec<3>{}, {1, 0, 0}, {1, 6, 0}}, {}};
+  EXPECT_EQ(table.at(1.5)[0], 0.5);
+  EXPECT_EQ(table.rate(2), (Vec<3>{0, 3, 0}));
+  EXPECT_EQ(table.at(3)[1], 3);
+  EXPECT_EQ(table.at(9), (Vec<3>{1, 6, 0}));
+  EXPECT_EQ(table.rate(4), (Vec<3>{}));
+}
+
+TEST(Solid, ASolidTurnsAboutAnAxisThatGoesAlongWithIt) {
+  // A square of edge 2 about its lower left corner, which moves along x at 3 m/s, by a quarter turn in a second.
+  const double quarter = std::numbers::pi / 2;
+  const Solid square{"square",
+                     Box{{0, 0, 0}, {2, 2, 0}},
+                     WallKind::slip,
+                     {{{0}, {Vec<3>{}}, {3, 0, 0}}, {{0}, {0.0}, quarter}, {0, 0, 0}, {0, 0, 1}}};
+  const Pose pose = square.motion.at(1);
+  const auto expect = [&](const Vec<3>& x, double distance, const Vec<3>& normal) {
+    const Nearness n = square.near(x, pose, 2);
+    EXPECT_NEAR(n.distance, distance, 1e-14);
+    for (int a = 0; a < 2; ++a) EXPECT_NEAR(n.normal[a], normal[a], 1e-14) << a;
+  };
+  expect({3.5, 1, 0}, 0.5, {1, 0, 0});  // it lies over x = 1 ... 3 now, its lower face on the right
+  expect({0.6, 1.5, 0}, 0.4, {-1, 0, 0});
+  expect({2, 2.25, 0}, 0.25, {0, 1, 0});
+  EXPECT_NEAR(pose.velocity_at({3, 1, 0})[0], 3 - quarter, 1e-14);
+  EXPECT_NEAR(pose.velocity_at({2, 0, 0})[1], -quarter, 1e-14);
+  EXPECT_NEAR(fastest(square, 1, {{-10, -10, 0}, {10, 10, 0}}, 2), 3 + quarter * std::sqrt(8), 1e-14);
+  EXPECT_NEAR(fastest(square, 1, {{2, -1, 0}, {4, 1, 0}}, 2), 3 + quarter * std::sqrt(2), 1e-14);
+}
+
+TEST(Solid, TurnsInSpaceAreRightHandedAndTheirVelocityIsTheRateOfTheirPlaces) {
+  const double third = 1 / std::sqrt(3.0);
+  const Solid ball{"ball",
+                   Sphere{{1, 0, 0}, 0.5},
+                   WallKind::slip,
+                   {{}, {{0, 2}, {0.0, 4 * std::numbers::pi / 3}}, {0, 0, 0}, {third, third, third}}};
+  // A third of a turn about the diagonal takes x to y, two thirds take it to z.
+  EXPECT_NEAR(ball.near({0, 1, 0}, ball.motion.at(1), 3).distance, -0.5, 1e-14);
+  EXPECT_NEAR(ball.near({0, 0, 1}, ball.motion.at(2), 3).distance, -0.5, 1e-14);
+  const double dt = 1e-6;
+  const Vec<3> x{0.3, -0.2, 0.9}, before = ball.motion.at(0.7 - dt).at_first(x),
+                                  after = ball.motion.at(0.7 + dt).at_first(x);
+  // What stands at x was at `before`, and at `after`: it passes x with the velocity that carries one to the other.
+  const Vec<3> passing = ball.motion.at(0.7).turned((-0.5 / dt) * (after - before));
+  for (int a = 0; a < 3; ++a) EXPECT_NEAR(passing[a], ball.motion.at(0.7).velocity_at(x)[a], 1e-8) << a;
+  EXPECT_EQ(ball.motion.at(2).velocity_at(x), (Vec<3>{}));  // from then on it rests
+}
+
+TEST(Solid, AHollowSolidIsWhatLiesAroundItsShape) {
+  const Solid drum{"drum", Sphere{{1, 1, 0}, 2}, WallKind::no_slip, {}, true};
+  const Nearness n = drum.near({1, 0, 0}, {}, 2);
+  EXPECT_DOUBLE_EQ(n.distance, 1);
+  EXPECT_DOUBLE_EQ(n.normal[1], 1);
+  EXPECT_DOUBLE_EQ(drum.near({1, 4, 0}, {}, 2).distance, -1);
+  EXPECT_TRUE(std::isinf(thickness(drum, 2)));
 }
 
 }  // namespace

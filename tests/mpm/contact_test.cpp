@@ -283,7 +283,7 @@ TEST(Solids, APistonGivesTheBlockItsSpeedAndItsWorkBecomesEnergy) {
   what.gravity = {};
   const double V = 0.5;
   what.solids = {{"piston", Box{{-0.5, -0.5, 0}, {0.2, 0.6, 0}}, Wall(WallKind::slip, 0, false),
-                  PrescribedMotion{{0}, {Vec<3>{}}, {V, 0, 0}}}};
+                  PrescribedMotion{{{0}, {Vec<3>{}}, {V, 0, 0}}}}};
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
   run_until(*s, 1.0);
@@ -304,7 +304,7 @@ TEST(Solids, AFrictionalBeltCarriesABlockUpToItsSpeed) {
   what.domain.min[1] = -0.2;
   what.n_cells[1] = 16;
   what.solids = {{"belt", HalfSpace{{0, 0, 0}, {0, 1, 0}}, Wall(WallKind::friction, mu, true),
-                  PrescribedMotion{{0}, {Vec<3>{}}, {V, 0, 0}}}};
+                  PrescribedMotion{{{0}, {Vec<3>{}}, {V, 0, 0}}}}};
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
   run_until(*s, 0.2);
@@ -463,7 +463,7 @@ TEST(Solids, ASmoothGateThatRisesLeavesStandingSandWhereItIsAndARoughOneLiftsIt)
     what.bodies[0].initial_stress = InitialStress::k0;
     what.solids = {{"gate", Box{{0.6, -0.2, 0}, {0.7, 0.6, 0}},
                     Wall(rough ? WallKind::friction : WallKind::slip, rough ? 0.5 : 0, true),
-                    PrescribedMotion{{0}, {Vec<3>{}}, {0, 0.2, 0}}}};
+                    PrescribedMotion{{{0}, {Vec<3>{}}, {0, 0.2, 0}}}}};
     const auto loop = make_serial();
     const auto s = make_simulation(what, *loop);
     const double y = mean(s->observe(), "position", 1);
@@ -485,7 +485,7 @@ TEST(Solids, ContactsGiveTheSameBitsOnAnyNumberOfThreadsAndAfterAStop) {
   Case what = block_on_incline(Wall(WallKind::friction, 0.3, true), 0.1);
   what.walls[0] = WallKind::slip;
   what.solids = {{"ball", Sphere{{0.8, 0.1, 0}, 0.15}, Wall(WallKind::friction, 0.5, true),
-                  PrescribedMotion{{0}, {Vec<3>{}}, {-0.5, 0, 0}}}};
+                  PrescribedMotion{{{0}, {Vec<3>{}}, {-0.5, 0, 0}}}}};
   const auto one = make_serial(), three = make_openmp(3);
   const auto unbroken = make_simulation(what, *one), other = make_simulation(what, *three),
              resumed = make_simulation(what, *three);

@@ -22,7 +22,7 @@ bool can_be_coarser(const Case& what, int f) {
     if (what.n_cells[a] % multiple != 0 && wall != WallKind::open) return false;
   }
   for (const Solid& s : what.solids)
-    if (const double thin = thickness(s.shape, what.dim); thin > 0 && thin < f * what.cell * close) return false;
+    if (const double thin = thickness(s, what.dim); thin > 0 && thin < f * what.cell * close) return false;
   for (const BodySpec& b : what.bodies) {
     const Box box = bounding_box(b.region, what.dim);
     for (int a = 0; a < what.dim; ++a)

@@ -19,8 +19,9 @@ namespace {
 constexpr double most_places = 1e9;
 constexpr double most_steps = 1e12;
 
-/// The smallest box around a solid where it begins; around a half-space, what it has of the domain.
-Box bounding_box_of(const SolidShape& shape, const Case& what) {
+/// The smallest box around a solid where it begins; around one without end, what it has of the domain.
+Box bounding_box_of(const Solid& solid, const Case& what) {
+  if (solid.hollow) return what.domain;
   return std::visit(
       [&]<class Shape>(const Shape& s) -> Box {
         if constexpr (std::same_as<Shape, HalfSpace>) {
@@ -35,7 +36,7 @@ Box bounding_box_of(const SolidShape& shape, const Case& what) {
           return bounding_box(s, what.dim);
         }
       },
-      shape);
+      solid.shape);
 }
 
 bool overlap(const Box& a, const Box& b, int dim) {
@@ -54,11 +55,18 @@ double fastest_at_start(const BodySpec& body, const Box& box) {
 /// Whether a solid may come into the domain: where it begins, or in the box around all that it passes.
 bool may_come_in(const Solid& solid, const Case& what) {
   const PrescribedMotion& motion = solid.motion;
-  if (dot(motion.velocity_after, motion.velocity_after) > 0) return true;
-  if (std::holds_alternative<HalfSpace>(solid.shape) && !motion.times.empty()) return true;
-  Box box = bounding_box_of(solid.shape, what);
+  if (dot(motion.displacement.rate_after, motion.displacement.rate_after) > 0) return true;
+  if (std::holds_alternative<HalfSpace>(solid.shape) && !motion.rests()) return true;
+  Box box = bounding_box_of(solid, what);
+  if (!motion.angle.is_constant()) {
+    const double reach = farthest(solid.shape, motion.centre, what.dim);
+    for (int a = 0; a < what.dim; ++a) {
+      box.min[a] = std::min(box.min[a], motion.centre[a] - reach);
+      box.max[a] = std::max(box.max[a], motion.centre[a] + reach);
+    }
+  }
   const Box start = box;
-  for (const Vec<3>& d : motion.displacements)
+  for (const Vec<3>& d : motion.displacement.values)
     for (int a = 0; a < what.dim; ++a) {
       box.min[a] = std::min(box.min[a], start.min[a] + d[a]);
       box.max[a] = std::max(box.max[a], start.max[a] + d[a]);
@@ -69,10 +77,11 @@ bool may_come_in(const Solid& solid, const Case& what) {
 /// Complains where a solid holds particles of a body.
 void expect_apart(Section& s, const Solid& solid, const BodySpec& body, const std::vector<Vec<3>>& particles,
                   const Case& what) {
+  const Pose pose = solid.motion.at(0);
   double deepest = 0;
   Vec<3> at{};
   for (const Vec<3>& x : particles)
-    if (const double depth = -solid.at(x, 0, what.dim).distance; depth > deepest) {
+    if (const double depth = -solid.near(x, pose, what.dim).distance; depth > deepest) {
       deepest = depth;
       at = x;
     }
@@ -116,7 +125,7 @@ void check_together(Section& root, const Case& what) {
           if constexpr (requires { SolidShape(region); })
             for (std::size_t b = 0; b < what.bodies.size(); ++b)
               if (a != b && overlap(boxes[a], boxes[b], what.dim))
-                expect_apart(sections[a].second, Solid{"", region, {}, {}}, what.bodies[b], particles[b], what);
+                expect_apart(sections[a].second, Solid{"", region, {}}, what.bodies[b], particles[b], what);
         },
         what.bodies[a].region);
   if (!what.solids.empty()) {
@@ -124,8 +133,7 @@ void check_together(Section& root, const Case& what) {
     for (std::size_t i = 0; i < what.solids.size(); ++i) {
       if (!may_come_in(what.solids[i], what)) solids[i].second.complain("never comes into the domain");
       for (std::size_t b = 0; b < what.bodies.size(); ++b)
-        if (!what.solids[i].motion.times.empty() ||
-            overlap(bounding_box_of(what.solids[i].shape, what), boxes[b], what.dim))
+        if (!what.solids[i].motion.rests() || overlap(bounding_box_of(what.solids[i], what), boxes[b], what.dim))
           expect_apart(solids[i].second, what.solids[i], what.bodies[b], particles[b], what);
     }
   }

@@ -187,6 +187,29 @@ void read_materials(Section& root, bool as_in_the_paper, Case& what) {
   }
 }
 
+/// Complains where instants do not increase or are not as many as what they are given for; what is read then is nothing.
+template <class T>
+void expect_instants(Section& s, std::string_view values, std::string_view times, LinearInTime<T>& f) {
+  if (f.times.size() != f.values.size())
+    s.complain(values, fmt::format("are {} for {} `{}`", f.values.size(), f.times.size(), times));
+  else if (const auto at = std::adjacent_find(f.times.begin(), f.times.end(), std::greater_equal());
+           at != f.times.end())
+    s.complain(times, fmt::format("must increase: {} follows {}", with_unit(at[1], "s"), with_unit(at[0], "s")));
+  else
+    return;
+  f = {};
+}
+
+/// What goes on at a rate from an instant until another.
+template <class T>
+LinearInTime<T> read_steady(Section& s, const T& rate) {
+  const double from = s.number({"from", "s", Range::not_negative(), "instant at which it starts"}, 0.0);
+  const std::optional<double> until = s.optional_number({"until", "s", Range::positive(), "instant at which it stops"});
+  if (until && !(*until > from)) s.complain("until", "must be later than `from`");
+  if (until && *until > from) return {{from, *until}, {T{}, (*until - from) * rate}, T{}};
+  return {{from}, {T{}}, rate};
+}
+
 /// Complains unless exactly one of some keys is there.
 void expect_one_of(Section& s, const std::vector<std::string_view>& keys) {
   int given = 0;
@@ -439,68 +462,100 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
   }
 }
 
-PrescribedMotion read_motion(Section& s, const Case& what, const std::string& folder) {
-  expect_one_of(s, {"velocity", "displacements", "file"});
-  PrescribedMotion motion;
-  if (s.has("velocity")) {
-    const Vec<3> v = vector_of(s.numbers({"velocity", "m/s", {}, "velocity of the solid"}, what.dim));
-    const double from = s.number({"from", "s", Range::not_negative(), "instant at which it starts"}, 0.0);
-    const std::optional<double> until =
-        s.optional_number({"until", "s", Range::positive(), "instant at which it stops"});
-    motion = {{from}, {Vec<3>{}}, v};
-    if (until && !(*until > from)) s.complain("until", "must be later than `from`");
-    if (until && *until > from) motion = {{from, *until}, {Vec<3>{}, (*until - from) * v}, {}};
+/// Complains of keys that go with another one only.
+void expect_absent(Section& s, std::initializer_list<const char*> keys, std::string_view with) {
+  for (const char* key : keys)
+    if (s.has(key)) s.complain(key, fmt::format("goes with `{}` only", with));
+}
+
+/// The columns of a file as a displacement.
+LinearInTime<Vec<3>> read_displacements(Section& s, const Case& what, const std::string& folder) {
+  const std::string file = s.text("file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]");
+  const std::string path = (std::filesystem::path(folder) / file).string();
+  LinearInTime<Vec<3>> f;
+  try {
+    const NumberTable table = read_csv(path);
+    if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
+    std::vector<std::string_view> known{"time"};
+    known.insert(known.end(), axis_names, axis_names + what.dim);
+    for (std::string_view name : known)
+      if (table.column(std::string(name)) < 0)
+        throw std::runtime_error(fmt::format("{} has no column `{}`; its first line must name the columns {}", path,
+                                             name, fmt::join(known, ",")));
+    if (table.names.size() != known.size())
+      throw std::runtime_error(fmt::format("{} must have the columns {} and no others", path, fmt::join(known, ",")));
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+      Vec<3> d{};
+      for (double value : table.rows[i])
+        if (!std::isfinite(value))
+          throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
+      for (int a = 0; a < what.dim; ++a) d[a] = table.rows[i][table.column(axis_names[a])];
+      f.times.push_back(table.rows[i][table.column("time")]);
+      f.values.push_back(d);
+    }
+    expect_instants(s, "file", "file", f);
+  } catch (const std::runtime_error& e) {
+    s.complain("file", e.what());
+    f = {};
+  }
+  return f;
+}
+
+/// The turn of a solid about its axis.
+void read_rotation(Section& s, const Case& what, PrescribedMotion& motion) {
+  motion.centre = vector_of(s.numbers({"centre", "m", {}, "a point on the axis of the turn, at the start"}, what.dim));
+  if (what.dim == 3) {
+    motion.axis = vector_of(s.numbers({"axis", "1", {}, "direction about which the turn is right-handed"}, 3));
+    const double length = std::sqrt(dot(motion.axis, motion.axis));
+    if (length > 0)
+      motion.axis = (1 / length) * motion.axis;
+    else
+      s.complain("axis", "must not be zero");
+  }
+  expect_one_of(s, {"rate", "angles"});
+  if (s.has("rate"))
+    motion.angle =
+        read_steady(s, s.number({"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"}));
+  else
+    expect_absent(s, {"from", "until"}, "rate");
+  if (s.has("angles")) {
+    motion.angle.times = s.numbers({"times", "s", Range::not_negative(), "instants at which angles are given"}, 0);
+    motion.angle.values = s.numbers({"angles", "rad", {}, "how far the solid has turned then"}, 0);
+    expect_instants(s, "angles", "times", motion.angle);
   } else {
-    for (const char* key : {"from", "until"})
-      if (s.has(key)) s.complain(key, "goes with `velocity` only");
+    expect_absent(s, {"times"}, "angles");
   }
+  s.close("a rotation");
+}
+
+PrescribedMotion read_motion(Section& s, const Case& what, const std::string& folder) {
+  PrescribedMotion motion;
+  const bool turns = s.has("rotation");
+  if (turns) {
+    Section r = s.section("rotation", "how the solid turns");
+    read_rotation(r, what, motion);
+    if (what.axisymmetric) s.complain("rotation", "is not for axisymmetric cases: nothing moves around the axis");
+  }
+  const std::vector<std::string_view> displacements = {"velocity", "displacements", "file"};
+  const auto given = std::count_if(displacements.begin(), displacements.end(), [&](auto key) { return s.has(key); });
+  if (given > 1 || (given == 0 && !turns))
+    s.complain(fmt::format("must have exactly one of {}, or `rotation`{}", any_of(displacements, "and"),
+                           turns ? " alone" : ""));
+  if (s.has("velocity"))
+    motion.displacement =
+        read_steady(s, vector_of(s.numbers({"velocity", "m/s", {}, "velocity of the solid"}, what.dim)));
+  else
+    expect_absent(s, {"from", "until"}, "velocity");
   if (s.has("displacements")) {
-    motion.times = s.numbers({"times", "s", Range::not_negative(), "instants at which displacements are given"}, 0);
+    LinearInTime<Vec<3>>& f = motion.displacement;
+    f.times = s.numbers({"times", "s", Range::not_negative(), "instants at which displacements are given"}, 0);
     for (const auto& d : s.points({"displacements", "m", {}, "where the solid is then, from where it began"}, what.dim))
-      motion.displacements.push_back(vector_of(d));
-    if (motion.times.size() != motion.displacements.size()) {
-      s.complain("displacements",
-                 fmt::format("are {} for {} `times`", motion.displacements.size(), motion.times.size()));
-      return {};
-    }
-  } else if (s.has("times")) {
-    s.complain("times", "go with `displacements` only");
+      f.values.push_back(vector_of(d));
+    expect_instants(s, "displacements", "times", f);
+  } else {
+    expect_absent(s, {"times"}, "displacements");
   }
-  if (s.has("file")) {
-    const std::string file = s.text("file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]");
-    const std::string path = (std::filesystem::path(folder) / file).string();
-    try {
-      const NumberTable table = read_csv(path);
-      if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
-      std::vector<std::string_view> known{"time"};
-      known.insert(known.end(), axis_names, axis_names + what.dim);
-      for (std::string_view name : known)
-        if (table.column(std::string(name)) < 0)
-          throw std::runtime_error(fmt::format("{} has no column `{}`; its first line must name the columns {}", path,
-                                               name, fmt::join(known, ",")));
-      if (table.names.size() != known.size())
-        throw std::runtime_error(fmt::format("{} must have the columns {} and no others", path, fmt::join(known, ",")));
-      for (std::size_t i = 0; i < table.rows.size(); ++i) {
-        Vec<3> d{};
-        for (double value : table.rows[i])
-          if (!std::isfinite(value))
-            throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
-        for (int a = 0; a < what.dim; ++a) d[a] = table.rows[i][table.column(axis_names[a])];
-        motion.times.push_back(table.rows[i][table.column("time")]);
-        motion.displacements.push_back(d);
-      }
-    } catch (const std::runtime_error& e) {
-      s.complain("file", e.what());
-      return {};
-    }
-  }
-  for (std::size_t i = 1; i < motion.times.size(); ++i)
-    if (!(motion.times[i] > motion.times[i - 1])) {
-      s.complain(s.has("file") ? "file" : "times",
-                 fmt::format("must increase: {} follows {}", with_unit(motion.times[i], "s"),
-                             with_unit(motion.times[i - 1], "s")));
-      return {};
-    }
+  if (s.has("file")) motion.displacement = read_displacements(s, what, folder);
   s.close("a motion");
   return motion;
 }
@@ -538,7 +593,8 @@ SolidShape read_solid_shape(Section& s, const Case& what) {
 void read_solids(Section& root, Case& what, const std::string& folder) {
   if (!root.has("solid")) return;
   for (auto& [name, s] : root.named_sections("solid", "rigid solids inside the domain")) {
-    Solid solid{name, read_solid_shape(s, what), {}, {}};
+    Solid solid{name, read_solid_shape(s, what), {}};
+    solid.hollow = s.flag("hollow", false, "the solid is what lies outside its shape: a drum, a bowl, a pipe");
     solid.contact = read_wall(s, {"contact", "what its surface does to material", contact_choices}, contact_kinds, true,
                               what.materials);
     if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction", "rough"}));
@@ -547,7 +603,7 @@ void read_solids(Section& root, Case& what, const std::string& folder) {
       solid.motion = read_motion(m, what, folder);
     }
     s.close("a solid");
-    const double thin = thickness(solid.shape, what.dim), least = least_thickness * what.cell;
+    const double thin = thickness(solid, what.dim), least = least_thickness * what.cell;
     if (thin > 0 && thin < least * (1 - 1e-9))
       s.complain(fmt::format("is {} thick; it must be as thick as the cells at least, {}, or material leaks through",
                              with_unit(thin, "m"), with_unit(least, "m")));

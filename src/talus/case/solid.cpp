@@ -143,18 +143,81 @@ double thickness(const SolidShape& shape, int dim) {
       shape);
 }
 
-Vec<3> PrescribedMotion::displacement(double t) const {
-  if (times.empty() || t <= times.front()) return times.empty() ? Vec<3>{} : displacements.front();
-  if (t >= times.back()) return displacements.back() + (t - times.back()) * velocity_after;
-  const std::size_t i = std::size_t(std::upper_bound(times.begin(), times.end(), t) - times.begin());
-  return displacements[i - 1] + (t - times[i - 1]) * velocity(t);
+double farthest(const SolidShape& shape, const Vec<3>& from, int dim) {
+  const auto of_box = [&](const Box& b) {
+    Vec<3> most{};
+    for (int a = 0; a < dim; ++a) most[a] = std::max(std::abs(b.min[a] - from[a]), std::abs(b.max[a] - from[a]));
+    return length(most);
+  };
+  return std::visit(Overloaded{[](const HalfSpace&) { return infinity; },
+                               [&](const Sphere& s) { return length(s.centre - from) + s.radius; },
+                               [&](const auto& region) { return of_box(bounding_box(region, dim)); }},
+                    shape);
 }
 
-Vec<3> PrescribedMotion::velocity(double t) const {
-  if (times.empty() || t < times.front()) return {};
-  if (t >= times.back()) return velocity_after;
+template <class T>
+T LinearInTime<T>::at(double t) const {
+  if (times.empty() || t <= times.front()) return times.empty() ? T{} : values.front();
+  if (t >= times.back()) return values.back() + (t - times.back()) * rate_after;
   const std::size_t i = std::size_t(std::upper_bound(times.begin(), times.end(), t) - times.begin());
-  return (1 / (times[i] - times[i - 1])) * (displacements[i] - displacements[i - 1]);
+  return values[i - 1] + (t - times[i - 1]) * rate(t);
+}
+
+template <class T>
+T LinearInTime<T>::rate(double t) const {
+  if (times.empty() || t < times.front()) return {};
+  if (t >= times.back()) return rate_after;
+  const std::size_t i = std::size_t(std::upper_bound(times.begin(), times.end(), t) - times.begin());
+  return (1 / (times[i] - times[i - 1])) * (values[i] - values[i - 1]);
+}
+
+template struct LinearInTime<Vec<3>>;
+template struct LinearInTime<double>;
+
+Pose PrescribedMotion::at(double t) const {
+  Pose pose;
+  pose.displacement = displacement.at(t);
+  pose.velocity = displacement.rate(t);
+  if (angle.is_constant()) return pose;
+  pose.centre = centre;
+  pose.angular_velocity = angle.rate(t) * axis;
+  // Rodrigues 1840: R = cos 1 + sin [axis]x + (1 - cos) axis axis^T
+  const double c = std::cos(angle.at(t)), s = std::sin(angle.at(t));
+  for (int i = 0; i < 3; ++i) {
+    Vec<3> unit{};
+    unit[i] = 1;
+    pose.rotation[i] = c * unit - s * cross(axis, unit) + ((1 - c) * axis[i]) * axis;
+  }
+  return pose;
+}
+
+Vec<3> Pose::at_first(const Vec<3>& x) const {
+  const Vec<3> from = x - displacement - centre;
+  return centre + from[0] * rotation[0] + from[1] * rotation[1] + from[2] * rotation[2];
+}
+
+Vec<3> Pose::turned(const Vec<3>& direction) const {
+  return {dot(rotation[0], direction), dot(rotation[1], direction), dot(rotation[2], direction)};
+}
+
+Vec<3> Pose::velocity_at(const Vec<3>& x) const {
+  return velocity + cross(angular_velocity, x - displacement - centre);
+}
+
+Nearness Solid::near(const Vec<3>& x, const Pose& pose, int dim) const {
+  Nearness n = nearness(shape, pose.at_first(x), dim);
+  n.normal = pose.turned(n.normal);
+  return hollow ? Nearness{-n.distance, -1.0 * n.normal} : n;
+}
+
+double thickness(const Solid& solid, int dim) { return solid.hollow ? infinity : thickness(solid.shape, dim); }
+
+double fastest(const Solid& solid, double time, const Box& within, int dim) {
+  const Pose pose = solid.motion.at(time);
+  const double speed = length(pose.velocity), turning = length(pose.angular_velocity);
+  if (turning == 0) return speed;
+  const double reach = farthest(within, pose.centre + pose.displacement, dim);
+  return speed + turning * (solid.hollow ? reach : std::min(reach, farthest(solid.shape, pose.centre, dim)));
 }
 
 }  // namespace talus

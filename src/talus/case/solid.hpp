@@ -1,6 +1,7 @@
 #pragma once
 /// What stands on the sides of the domain and inside it: walls, rigid solids and how these move.
 
+#include <array>
 #include <string>
 #include <variant>
 #include <vector>
@@ -64,16 +65,47 @@ Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
 /// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges.
 double thickness(const SolidShape& shape, int dim);
+/// How far the points of a shape are from a point, at most [m].
+double farthest(const SolidShape& shape, const Vec<3>& from, int dim);
 
-/// A prescribed motion without rotation: displacement as a function of nothing but time, linear between instants.
-struct PrescribedMotion {
-  std::vector<double> times;          ///< [s], increasing; before the first all rests
-  std::vector<Vec<3>> displacements;  ///< at those instants [m]
-  Vec<3> velocity_after{};            ///< from the last instant on [m/s]
+/// A given function of nothing but time, linear between instants; 0 if there are none.
+template <class T>
+struct LinearInTime {
+  std::vector<double> times;  ///< [s], increasing; before the first, as it is then
+  std::vector<T> values;      ///< at those instants
+  T rate_after{};             ///< from the last instant on [per s]
 
-  Vec<3> displacement(double t) const;
+  bool is_constant() const { return times.empty(); }
+  T at(double t) const;
   /// From the instant t on.
-  Vec<3> velocity(double t) const;
+  T rate(double t) const;
+};
+
+/// Where a rigid motion has brought a solid, and how it moves there.
+struct Pose {
+  Vec<3> displacement{};                                                 ///< of the centre [m]
+  Vec<3> velocity{};                                                     ///< of the centre [m/s]
+  Vec<3> centre{};                                                       ///< where it was at first [m]
+  std::array<Vec<3>, 3> rotation = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows of the matrix that turns directions
+  Vec<3> angular_velocity{};                                             ///< [rad/s]
+
+  /// The place in the solid, as it stood at first, of a point in space.
+  Vec<3> at_first(const Vec<3>& x) const;
+  /// A direction of the solid as it stood at first, as it is now.
+  Vec<3> turned(const Vec<3>& direction) const;
+  /// The velocity of the solid at a point in space [m/s].
+  Vec<3> velocity_at(const Vec<3>& x) const;
+};
+
+/// A prescribed motion: a displacement, and a turn about an axis that goes along with it.
+struct PrescribedMotion {
+  LinearInTime<Vec<3>> displacement;  ///< [m]
+  LinearInTime<double> angle{};       ///< right-handed about the axis [rad]; in plane strain from x to y
+  Vec<3> centre{};                    ///< a point on the axis, at first [m]
+  Vec<3> axis{0, 0, 1};               ///< of unit length
+
+  bool rests() const { return displacement.is_constant() && angle.is_constant(); }
+  Pose at(double t) const;
 };
 
 /// A rigid solid inside the domain.
@@ -81,9 +113,16 @@ struct Solid {
   std::string name;
   SolidShape shape;
   Wall contact;
-  PrescribedMotion motion;
+  PrescribedMotion motion{};
+  bool hollow = false;  ///< the solid is all that lies outside its shape: a drum, a bowl, a pipe
 
-  Nearness at(const Vec<3>& x, double t, int dim) const { return nearness(shape, x - motion.displacement(t), dim); }
+  /// Where a point in space is with respect to the solid in a pose.
+  Nearness near(const Vec<3>& x, const Pose& pose, int dim) const;
 };
+
+/// How thick a solid is where it is thinnest [m]; around a hollow there is no end to it.
+double thickness(const Solid& solid, int dim);
+/// None of a solid's points in a box moves faster at an instant [m/s].
+double fastest(const Solid& solid, double time, const Box& within, int dim);
 
 }  // namespace talus

@@ -31,6 +31,14 @@ struct Domain {
   std::vector<Solid> solids{};
   bool axisymmetric = false;  ///< in 2D: the first axis is the radius [m]
 
+  Box box() const {
+    Box box{};
+    for (int a = 0; a < Dim; ++a) {
+      box.min[a] = origin[a];
+      box.max[a] = origin[a] + h * n_cells[a];
+    }
+    return box;
+  }
   bool is_periodic(int axis) const { return walls[2 * axis].kind == WallKind::periodic; }
   /// Tiles along each axis after which they come round again; 0 where they do not.
   Index<Dim> period() const {

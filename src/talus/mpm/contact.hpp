@@ -98,14 +98,15 @@ class ContactFinder {
       ++number;
       const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
       const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
-      if (solid.at(middle, time, Dim).distance > reach) continue;
+      if (solid.near(middle, pose, Dim).distance > reach) continue;
       for (int node = 0; node < Layout::n_nodes; ++node) {
         if (!counts(node)) continue;
         const Vec<3> x = place_of(boundary.global(place, node));
-        if (solid.at(x, time, Dim).distance > margin * domain_.h) continue;
-        found.push_back({node, solid.contact, normal_towards_material(grid, t, node, solid, x, time),
-                         solid.motion.velocity(time), number});
+        if (solid.near(x, pose, Dim).distance > margin * domain_.h) continue;
+        found.push_back(
+            {node, solid.contact, normal_towards_material(grid, t, node, solid, x, pose), pose.velocity_at(x), number});
       }
+      const Pose pose = solid.motion.at(time);
     }
     for (int side = 0; side < 2 * Dim && boundary.near_wall(t); ++side) {
       ++number;
@@ -151,7 +152,7 @@ class ContactFinder {
   /// The solid's normal where one leaves it towards the mass around a node. In a thin solid, at its edges and in its
   /// middle, the nearest place of the surface may be on a side where there is no material.
   Vec<3> normal_towards_material(Grid<Dim, Shape>& grid, int t, int node, const Solid& solid, Vec<3> x,
-                                 double time) const {
+                                 const Pose& pose) const {
     const Index<Dim> own = Layout::unflatten(node, tile_edge);
     Vec<3> towards{};
     double mass = 0;
@@ -171,13 +172,13 @@ class ContactFinder {
       for (int a = 0; a < Dim; ++a) towards[a] += m * (Layout::unflatten(n, 3)[a] - 1);
       mass += m;
     }
-    Nearness here = solid.at(x, time, Dim);
+    Nearness here = solid.near(x, pose, Dim);
     const double length = std::sqrt(dot(towards, towards));
     if (!(length > 1e-3 * mass)) return here.normal;  // as much on either side
     // Steps as long as the surface is far cannot pass it; the last ones go a hundredth of a cell at least.
     for (int k = 0; k < 100 && here.distance < 0; ++k) {
       x = x + (std::max(-here.distance, 0.01 * domain_.h) / length) * towards;
-      here = solid.at(x, time, Dim);
+      here = solid.near(x, pose, Dim);
     }
     return here.normal;
   }

@@ -151,10 +151,8 @@ class Stepper final : public Simulation {
   /// The largest speed of a particle or of a solid.
   double fastest() const {
     double speed = ledger_.max_speed;
-    for (const Solid& s : domain_.solids) {
-      const Vec<3> v = s.motion.velocity(ledger_.time);
-      speed = std::max(speed, std::sqrt(dot(v, v)));
-    }
+    for (const Solid& solid : domain_.solids)
+      speed = std::max(speed, talus::fastest(solid, ledger_.time, domain_.box(), Dim));
     return speed;
   }
   /// The share of its own velocity that a particle keeps in a step.
