@@ -2,7 +2,7 @@
 /// Isotropic linear elasticity in rate form (hypoelastic, with the objective rate of the solver): a baseline.
 ///
 /// With Cauchy's stress sigma in the rate form, as most codes have it, large strains in a closed loop create or take
-/// energy, the relative volume change times what is stored. With Kirchhoff's, tau = J sigma, it is Hencky's elasticity tau
+/// energy, the relative volume change times what is stored; it is reported as plastic work, whatever its sign. With Kirchhoff's, tau = J sigma, it is Hencky's elasticity tau
 /// = K ln J 1 + 2 G dev ln V (1928, Z. Tech. Phys. 9:215) as long as nothing turns: all work is stored.
 
 #include "talus/law/law.hpp"
@@ -34,8 +34,12 @@ struct LinearElastic : Elasticity {
     const R before = state.volume_ratio;
     state.volume_ratio = before * exp(trace(motion.strain));
     if (measure == StressMeasure::cauchy) {
+      const SymTensor<R> old_flux = before * state.stress;
+      const R stored = before * energy_density(state.stress);
       state.stress = state.stress + stress_increment(motion.strain);
-      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, zero, zero};
+      const R work = R(0.5) * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
+      const R not_stored = (work + stored) / state.volume_ratio - energy_density(state.stress);
+      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, not_stored, zero};
     }
     const R per_volume = R(1.0) / state.volume_ratio;
     state.stress = per_volume * (before * state.stress + stress_increment(motion.strain));

@@ -25,7 +25,7 @@ struct Ledger {
   double kinetic = 0;
   double potential = 0;
   double elastic = 0;      ///< stored in the material, as its state says
-  double plastic = 0;      ///< heat of friction since the start
+  double plastic = 0;      ///< work that laws have not stored since the start: heat of friction
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
   /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, and work of
@@ -37,8 +37,8 @@ struct Ledger {
   double wall_work = 0;
   Vec<3> wall_impulse{};  ///< what walls and solids have given to the material since the start [N s]
   double initial = 0;     ///< kinetic, potential and elastic energy at the start
-  /// The most that kinetic and potential energy together have ever changed, or kinetic energy ever been: what losses
-  /// and errors are measured by.
+  /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, or moving solids
+  /// ever given or taken: what losses and errors are measured by.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   long n_separated = 0;    ///< particles whose grains have moved apart

@@ -74,7 +74,8 @@ class Stepper final : public Simulation {
       move_particles(dt, alpha);
     }
     ledger_.turnover =
-        std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential)});
+        std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential),
+                  std::abs(ledger_.wall_work)});
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     unfiltered_ += dt;
