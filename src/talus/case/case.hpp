@@ -101,6 +101,7 @@ struct Numerics {
   double flip_share = 1;  ///< of `flip`
   Order order = Order::usf;
   bool average_pressure = true;
+  bool particle_shifting = true;
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   Integration integration;
   double cfl = 0.65;

@@ -666,6 +666,8 @@ void read_numerics(Section& s, Case& what) {
   n.average_pressure = s.flag("average_pressure", !n.f_bar && !paper, "average the elastic compression over each cell");
   if (n.f_bar && n.average_pressure)
     s.complain("average_pressure", "must be false with `f_bar`: it averages the rate of volume change as well");
+  n.particle_shifting = s.flag("particle_shifting", !paper,
+                               "move particles apart where they stand closer than their volumes leave room for");
   static constexpr Choice integrators[] = {integrator_choices[1], integrator_choices[0], integrator_choices[2]};
   static constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler,
                                            Integrator::forward_euler};

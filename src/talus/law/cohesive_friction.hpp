@@ -96,6 +96,8 @@ struct CohesiveFriction : Elasticity {
   TALUS_HD static R compression(const State<R>& state) {
     return state.compression;
   }
+  /// Growth of that compression as an opening closes.
+  TALUS_HD static double growth_in_gap() { return 1; }
   template <Number R>
   TALUS_HD R pressure_at(R w) const {
     return max(R(bulk_modulus()) * w, R(apex));

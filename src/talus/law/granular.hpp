@@ -89,6 +89,7 @@ struct GranularOf {
   TALUS_HD static R compression(const State<R>& state) {
     return Simsand::compression(state.frictional);
   }
+  TALUS_HD double growth_in_gap() const { return frictional.growth_in_gap(); }
   template <Number R>
   TALUS_HD R pressure_at(R x) const {
     return frictional.pressure_at(x);

@@ -68,6 +68,8 @@ struct LinearElastic : Elasticity {
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const { return State<double>{initial.stress, 1}; }
 
+  /// What is next to each other stays so: how far apart particles stand is strain.
+  static constexpr bool keeps_neighbours = true;
   static constexpr std::string_view name = "linear_elastic";
   static constexpr std::string_view meaning = "isotropic linear elasticity";
   static std::span<const ParameterOf<LinearElastic>> parameters();

@@ -63,6 +63,7 @@ struct NewtonianFluid {
     return exp(-state.compression);
   }
 
+  TALUS_HD static double growth_in_gap() { return 1; }
   template <class R>
   TALUS_HD static R compression(const State<R>& state) {
     return state.compression;

@@ -54,10 +54,20 @@ inline AnyLaw with_scaled_stiffness(AnyLaw any_law, double factor) {
 template <class Law>
 inline constexpr bool is_named = !std::same_as<Law, GranularWithHistory>;
 
+/// Whether what is next to each other in such a material stays so: it does not flow.
+inline bool keeps_neighbours(const AnyLaw& any_law) {
+  return std::visit(
+      []<class Law>(const Law&) {
+        return requires { Law::keeps_neighbours; };
+      },
+      any_law);
+}
+
 /// Whether the solver may average the elastic compression of such a law over a cell.
 template <class Law>
 concept AveragesCompression = requires(const Law& law, typename Law::template State<double>& s) {
   { Law::compression(s) } -> std::convertible_to<double>;
+  { law.growth_in_gap() } -> std::convertible_to<double>;
   law.impose_compression(s, 0.0, law.pressure_at(0.0));
 };
 

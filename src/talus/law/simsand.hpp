@@ -65,6 +65,7 @@ struct Simsand {
     const R room = max(R(2.97) - e, R(1e-3));
     return R((1 - n) * E0 / (3 * (1 - 2 * nu))) * room * room / (R(1.0) + e);
   }
+  /// a where grains have moved apart: growth of x as the gap closes.
   TALUS_HD double growth_in_gap() const { return growth(e_ref); }
 
   /// G/K, from Poisson's ratio.

@@ -79,6 +79,16 @@ class ContactFinder {
     any_ |= !domain.solids.empty();
   }
 
+  /// What may be left of a displacement of a point within a cell of solids: nothing that goes into one.
+  Vec<3> beside_solids(const Vec<3>& x, Vec<3> displacement, double time) const {
+    for (const Solid& solid : domain_.solids) {
+      const Nearness here = solid.near(x, solid.motion.at(time), Dim);
+      const double leaving = dot(displacement, here.normal);
+      if (here.distance < domain_.h && leaving < 0) displacement = displacement - leaving * here.normal;
+    }
+    return displacement;
+  }
+
   /// Whether there is anything to meet.
   bool any() const { return any_; }
 
@@ -96,6 +106,7 @@ class ContactFinder {
     int number = -1;
     for (const Solid& solid : domain_.solids) {
       ++number;
+      const Pose pose = solid.motion.at(time);
       const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
       const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
       if (solid.near(middle, pose, Dim).distance > reach) continue;
@@ -106,7 +117,6 @@ class ContactFinder {
         found.push_back(
             {node, solid.contact, normal_towards_material(grid, t, node, solid, x, pose), pose.velocity_at(x), number});
       }
-      const Pose pose = solid.motion.at(time);
     }
     for (int side = 0; side < 2 * Dim && boundary.near_wall(t); ++side) {
       ++number;

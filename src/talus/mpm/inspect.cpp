@@ -120,6 +120,19 @@ double elastic_energy(const Body<Dim>& body) {
 }
 
 template <int Dim>
+double largest_volume_per_mass(const Body<Dim>& body) {
+  const Particles<Dim>& p = body.particles;
+  double most = 0;
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (int i = 0; i < p.size(); ++i)
+          most = std::max(most, p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)) / p.mass()[i]);
+      },
+      body.law);
+  return most;
+}
+
+template <int Dim>
 std::optional<Stiffening> contact_stiffening(const Body<Dim>& body) {
   const Particles<Dim>& p = body.particles;
   std::optional<Stiffening> stiffest;
@@ -164,6 +177,8 @@ template void place_body(const Body<3>&, bool, ParticlePlaces&);
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
 template double elastic_energy(const Body<2>&);
+template double largest_volume_per_mass(const Body<2>&);
+template double largest_volume_per_mass(const Body<3>&);
 template double elastic_energy(const Body<3>&);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);
 template std::optional<Stiffening> contact_stiffening(const Body<3>&);

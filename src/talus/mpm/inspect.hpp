@@ -28,6 +28,10 @@ std::string describe(const Body<Dim>& body, int particle);
 template <int Dim>
 double elastic_energy(const Body<Dim>& body);
 
+/// Of all particles [m3/kg].
+template <int Dim>
+double largest_volume_per_mass(const Body<Dim>& body);
+
 /// How the squared speed of compression waves grows in a body whose grains carry nothing and meet [m2/s2]; none where
 /// stiffness does not depend on stress.
 template <int Dim>

@@ -28,8 +28,8 @@ struct Ledger {
   double plastic = 0;      ///< work that laws have not stored since the start: heat of friction
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
-  /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, and work of
-  /// the stress on motion that the nodes make and the particles do not.
+  /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
+  /// stress on motion that the nodes make and the particles do not, and what shifting particles has lowered them.
   double numerical = 0;
   double wall_friction = 0;  ///< heat of friction on walls and solids since the start
   /// Work that the material has done on moving solids since the start; negative where they pushed it. Walls at rest do

@@ -16,6 +16,22 @@ Tensor<Pack> load_gradient(const Scratch& s, int i) {
   return L;
 }
 
+/// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where it has
+/// opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is what it was;
+/// means of x itself would lose room with every gap that opens in a cell and closes.
+template <class Law>
+Pack share_of_mean(const Law& law, Pack x) {
+  const Pack zero(0.0), a(law.growth_in_gap());
+  if (!any(x < zero)) return x;
+  return select(x < zero, a * (exp(min(x, zero) / a) - Pack(1.0)), x);
+}
+template <class Law>
+Pack compression_of_mean(const Law& law, Pack mean) {
+  const Pack zero(0.0), a(law.growth_in_gap());
+  if (!any(mean < zero)) return mean;
+  return select(mean < zero, a * log(max(Pack(1.0) + min(mean, zero) / a, Pack(1e-300))), mean);
+}
+
 /// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and
 /// `of_compression` asks for it, of the elastic compression.
 template <bool of_compression, class Law, int Dim>
@@ -40,7 +56,11 @@ void average_over_cells(const Law& law, const Particles<Dim>& particles, const T
         x[k] /= volume[k];
         rate[k] /= volume[k];
       }
-    if constexpr (of_compression) store(&p[c], law.pressure_at(load<Pack>(&x[c])));
+    if constexpr (of_compression) {
+      const Pack mean = compression_of_mean(law, load<Pack>(&x[c]));
+      store(&x[c], mean);
+      store(&p[c], law.pressure_at(mean));
+    }
   }
   for (int i = 0; i < tile.size() || i % pack_width != 0; ++i) {  // lanes behind the last particle repeat it
     const int c = s.cell[std::min(i, tile.size() - 1)];
@@ -82,7 +102,7 @@ TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const 
       for (int i = 0; i < n; i += pack_width) {
         const int first = tile.begin + i, count = std::min(pack_width, n - i);
         const State state = load_states<State>(particles, first, count);
-        store(&s.x[i], Law::compression(state));
+        store(&s.x[i], share_of_mean(law, Law::compression(state)));
         store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
       }
       average_over_cells<true>(law, particles, tile, cells, s);
@@ -179,6 +199,22 @@ void present_stress(const AnyLaw& any_law, const Particles<Dim>& particles, cons
       any_law);
 }
 
+template <int Dim>
+void present_volumes(const AnyLaw& any_law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s) {
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        using State = typename Law::template State<Pack>;
+        for (int i = 0; i < tile.size(); i += pack_width) {
+          const int first = tile.begin + i, count = std::min(pack_width, tile.size() - i);
+          const State state = load_states<State>(particles, first, count);
+          store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
+        }
+      },
+      any_law);
+}
+
+template void present_volumes(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
+template void present_volumes(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 template void present_stress(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
 template void present_stress(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,

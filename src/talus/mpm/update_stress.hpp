@@ -115,6 +115,12 @@ void update_stress(const AnyLaw& law, Particles<Dim>& particles, const TileParti
 template <int Dim>
 void present_stress(const AnyLaw& law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s);
 
+/// Leaves the volumes of a tile's particles in `s` [m3].
+template <int Dim>
+void present_volumes(const AnyLaw& law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s);
+
+extern template void present_volumes(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
+extern template void present_volumes(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 extern template void present_stress(const AnyLaw&, const Particles<2>&, const TileParticles&, Scratch&);
 extern template void present_stress(const AnyLaw&, const Particles<3>&, const TileParticles&, Scratch&);
 extern template void update_stress(const AnyLaw&, Particles<2>&, const TileParticles&, const CellFinder<2>&,

@@ -177,6 +177,7 @@ std::string notice_of_preset(const Case& what) {
   note(n.order != Order::usf, "another order");
   note(n.integration.scheme != Integrator::forward_euler, "another integrator");
   note(n.average_pressure || n.f_bar, "averaging over cells");
+  note(n.particle_shifting, "particle shifting");
   note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
   for (const Material& m : what.materials)
     std::visit(
