@@ -205,6 +205,7 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
   EXPECT_TRUE(with_numerics("f_bar = true").f_bar);
   EXPECT_FALSE(with_numerics("f_bar = true").average_pressure);
   EXPECT_TRUE(with_numerics("").average_pressure);
+  EXPECT_TRUE(with_numerics("").particle_shifting);
   expect_complaint("[run]", "[numerics]\nf_bar = true\naverage_pressure = true\n[run]", "must be false with `f_bar`");
   EXPECT_EQ(with_numerics("").order, Order::usf);
   EXPECT_EQ(with_numerics("order = \"musl\"").order, Order::musl);
@@ -219,6 +220,7 @@ TEST(ReadCase, ThePapersPresetIsItsWholeSchemeAndGivesWayToWhatIsSpelt) {
   EXPECT_EQ(n.order, Order::usf);
   EXPECT_EQ(n.integration.scheme, Integrator::forward_euler);
   EXPECT_FALSE(n.average_pressure);
+  EXPECT_FALSE(n.particle_shifting);
   EXPECT_FALSE(n.f_bar);
   EXPECT_DOUBLE_EQ(*n.dt, 1e-6);
   EXPECT_EQ(std::get<GranularWithHistory>(file.what.materials.at(0).law).collisional.form, CollisionalForm::rate);
