@@ -16,6 +16,17 @@ Tensor<Pack> load_gradient(const Scratch& s, int i) {
   return L;
 }
 
+/// Calls f(i, states, volumes) for every pack of a tile's particles, from particle i of the tile on.
+template <class Law, int Dim, class F>
+void for_each_pack(const Law& law, const Particles<Dim>& particles, const TileParticles& tile, F f) {
+  using State = typename Law::template State<Pack>;
+  for (int i = 0; i < tile.size(); i += pack_width) {
+    const int first = tile.begin + i, count = std::min(pack_width, tile.size() - i);
+    const State state = load_states<State>(particles, first, count);
+    f(i, state, load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
+  }
+}
+
 /// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where it has
 /// opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is what it was;
 /// means of x itself would lose room with every gap that opens in a cell and closes.
@@ -99,21 +110,15 @@ TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const 
   const bool averages = !f_bar && how.average_pressure && AveragesCompression<Law>;
   if constexpr (AveragesCompression<Law>) {
     if (averages) {
-      for (int i = 0; i < n; i += pack_width) {
-        const int first = tile.begin + i, count = std::min(pack_width, n - i);
-        const State state = load_states<State>(particles, first, count);
+      for_each_pack(law, particles, tile, [&](int i, const State& state, Pack volume) {
         store(&s.x[i], share_of_mean(law, Law::compression(state)));
-        store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
-      }
+        store(&s.volume[i], volume);
+      });
       average_over_cells<true>(law, particles, tile, cells, s);
     }
   }
   if constexpr (f_bar) {
-    for (int i = 0; i < n; i += pack_width) {
-      const int first = tile.begin + i, count = std::min(pack_width, n - i);
-      const State state = load_states<State>(particles, first, count);
-      store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
-    }
+    for_each_pack(law, particles, tile, [&](int i, const State&, Pack volume) { store(&s.volume[i], volume); });
     average_over_cells<false>(law, particles, tile, cells, s);
   }
   const Pack zero(0.0), dt(how.dt);
@@ -186,15 +191,11 @@ void update_stress(const AnyLaw& any_law, Particles<Dim>& particles, const TileP
 template <int Dim>
 void present_stress(const AnyLaw& any_law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s) {
   std::visit(
-      [&]<class Law>(const Law& law) {
-        using State = typename Law::template State<Pack>;
-        for (int i = 0; i < tile.size(); i += pack_width) {
-          const int first = tile.begin + i, count = std::min(pack_width, tile.size() - i);
-          const State state = load_states<State>(particles, first, count);
-          const Pack volume = load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state);
-          const SymTensor<Pack> flux = volume * Law::total_stress(state);
+      [&](const auto& law) {
+        for_each_pack(law, particles, tile, [&](int i, const auto& state, Pack volume) {
+          const SymTensor<Pack> flux = volume * law.total_stress(state);
           for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
-        }
+        });
       },
       any_law);
 }
@@ -202,13 +203,8 @@ void present_stress(const AnyLaw& any_law, const Particles<Dim>& particles, cons
 template <int Dim>
 void present_volumes(const AnyLaw& any_law, const Particles<Dim>& particles, const TileParticles& tile, Scratch& s) {
   std::visit(
-      [&]<class Law>(const Law& law) {
-        using State = typename Law::template State<Pack>;
-        for (int i = 0; i < tile.size(); i += pack_width) {
-          const int first = tile.begin + i, count = std::min(pack_width, tile.size() - i);
-          const State state = load_states<State>(particles, first, count);
-          store(&s.volume[i], load<Pack>(particles.reference_volume() + first, count) * law.specific_volume(state));
-        }
+      [&](const auto& law) {
+        for_each_pack(law, particles, tile, [&](int i, const auto&, Pack volume) { store(&s.volume[i], volume); });
       },
       any_law);
 }
