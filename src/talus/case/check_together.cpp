@@ -58,7 +58,7 @@ bool may_come_in(const Solid& solid, const Case& what) {
   if (dot(motion.displacement.rate_after, motion.displacement.rate_after) > 0) return true;
   if (std::holds_alternative<HalfSpace>(solid.shape) && !motion.rests()) return true;
   Box box = bounding_box_of(solid, what);
-  if (!motion.angle.is_constant()) {
+  if (!motion.angle.empty()) {
     const double reach = farthest(solid.shape, motion.centre, what.dim);
     for (int a = 0; a < what.dim; ++a) {
       box.min[a] = std::min(box.min[a], motion.centre[a] - reach);

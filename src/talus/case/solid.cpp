@@ -178,7 +178,7 @@ Pose PrescribedMotion::at(double t) const {
   Pose pose;
   pose.displacement = displacement.at(t);
   pose.velocity = displacement.rate(t);
-  if (angle.is_constant()) return pose;
+  if (angle.empty()) return pose;
   pose.centre = centre;
   pose.angular_velocity = angle.rate(t) * axis;
   // Rodrigues 1840: R = cos 1 + sin [axis]x + (1 - cos) axis axis^T

@@ -75,7 +75,8 @@ struct LinearInTime {
   std::vector<T> values;      ///< at those instants
   T rate_after{};             ///< from the last instant on [per s]
 
-  bool is_constant() const { return times.empty(); }
+  /// Whether nothing was given.
+  bool empty() const { return times.empty(); }
   T at(double t) const;
   /// From the instant t on.
   T rate(double t) const;
@@ -104,7 +105,7 @@ struct PrescribedMotion {
   Vec<3> centre{};                    ///< a point on the axis, at first [m]
   Vec<3> axis{0, 0, 1};               ///< of unit length
 
-  bool rests() const { return displacement.is_constant() && angle.is_constant(); }
+  bool rests() const { return displacement.empty() && angle.empty(); }
   Pose at(double t) const;
 };
 

@@ -82,9 +82,9 @@ std::string in_words(const Case& what) {
   text += walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
   for (const Solid& solid : what.solids)
     text += fmt::format(" `{}` is a solid, {}, that {}.", solid.name, surface_in_words(solid.contact),
-                        solid.motion.rests()               ? "rests"
-                        : solid.motion.angle.is_constant() ? "moves"
-                                                           : "turns");
+                        solid.motion.rests()         ? "rests"
+                        : solid.motion.angle.empty() ? "moves"
+                                                     : "turns");
   return text + fmt::format(" It is followed until {}.", with_unit(what.end, "s"));
 }
 
