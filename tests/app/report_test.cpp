@@ -44,6 +44,12 @@ material = "sand"
 cylinder = { centre = ["0 mm", "0 mm", "0 mm"], radius = "35 mm", height = "175 mm" }
 spacing = "8 mm"
 initial_stress = "k0"
+[solid.vane]
+box = { min = ["110 mm", "-20 mm", "80 mm"], max = ["140 mm", "20 mm", "120 mm"] }
+contact = "slip"
+[solid.vane.motion]
+velocity = ["0.1 m/s", "0 m/s", "0 m/s"]
+rotation = { centre = ["125 mm", "0 mm", "100 mm"], axis = [0, 1, 0], rate = "300 deg/s" }
 [run]
 end = "0.2 s"
 [output]

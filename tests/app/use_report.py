@@ -34,6 +34,14 @@ def browser(*more):
     return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
 
 
+def hold_vane_against_its_motion(points, time):
+    """Turned back by 300 degrees a second about y (from z to x) and moved back by 0.1 m/s, all points lie on the box."""
+    x, y, z = (numpy.array(points).reshape(-1, 3) - [0.125 + 0.1 * time, 0, 0.1]).T
+    c, s = numpy.cos(numpy.radians(300) * time), numpy.sin(numpy.radians(300) * time)
+    outside = abs(numpy.array([c * x - s * z, y, s * x + c * z]).T) - [0.015, 0.02, 0.02]
+    assert len(x) > 100 and abs(outside.max(axis=1)).max() < 1e-5, abs(outside.max(axis=1)).max()
+
+
 def use(page):
     page.get(report)
 
@@ -77,6 +85,7 @@ def use(page):
         # each component is rounded to eleven bits, then to nine; what is smaller than 2^-28 of the largest has fewer
         rounding = 2**-11 + 2**-9
         assert (abs(shown - speed) <= rounding * speed + 2**-36 * speed.max()).all()
+        hold_vane_against_its_motion(page.execute_script("return window.talus.solids()")[0], listed["time"])
         element("instant").send_keys(Keys.ARROW_RIGHT)
     assert (pixels("particles") != before).any(axis=2).sum() > 1000, "the particles fall"
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -121,6 +122,38 @@ TEST(Solid, AHollowSolidIsWhatLiesAroundItsShape) {
   EXPECT_DOUBLE_EQ(n.normal[1], 1);
   EXPECT_DOUBLE_EQ(drum.near({1, 4, 0}, {}, 2).distance, -1);
   EXPECT_TRUE(std::isinf(thickness(drum, 2)));
+}
+
+TEST(Solid, PointsOnItsSurfaceLieCloseToEachOtherWhereverItHasMoved) {
+  const double spacing = 0.05;
+  // A disk that has rolled along: its circumference, whole within the box, 2 pi 0.5 long.
+  const Solid disk{"disk",
+                   Sphere{{0, 0.5, 0}, 0.5},
+                   WallKind::slip,
+                   {{{0, 1}, {{0, 0, 0}, {2, 0, 0}}}, {{0}, {0}, -4.0}, {0, 0.5, 0}}};
+  const Pose rolled = disk.motion.at(1);
+  std::vector<Vec<3>> rim = surface_points(disk, rolled, {{1, -0.1, 0}, {3, 1.2, 0}}, spacing, 2);
+  for (const Vec<3>& x : rim) EXPECT_NEAR(std::hypot(x[0] - 2, x[1] - 0.5), 0.5, 1e-14);
+  std::vector<double> angles;
+  for (const Vec<3>& x : rim) angles.push_back(std::atan2(x[1] - 0.5, x[0] - 2));
+  std::sort(angles.begin(), angles.end());
+  double gap = 2 * std::numbers::pi - (angles.back() - angles.front());
+  for (std::size_t i = 1; i < angles.size(); ++i) gap = std::max(gap, angles[i] - angles[i - 1]);
+  EXPECT_LE(0.5 * gap, spacing);
+
+  // A plane that has turned by a right angle, and a slice through a ball around a hollow.
+  const Solid plane{"plane", HalfSpace{{0, 0, 0}, {0, 1, 0}}, WallKind::slip, {{}, {{0}, {std::numbers::pi / 2}}, {}}};
+  const auto wall = surface_points(plane, plane.motion.at(0), {{-1, -1, 0}, {1, 1, 0}}, spacing, 2);
+  EXPECT_GE(wall.size(), 40u);
+  for (const Vec<3>& x : wall) EXPECT_NEAR(x[0], 0, 1e-14);
+  const Solid bowl{"bowl", Sphere{{0, 0, 0}, 1}, WallKind::slip, {}, true};
+  const auto slice = surface_points(bowl, {}, {{-2, 0, -2}, {2, 0, 2}}, spacing, 3);
+  EXPECT_GE(slice.size(), 125u);  // 2 pi/spacing
+  for (const Vec<3>& x : slice) {
+    EXPECT_EQ(x[1], 0);
+    EXPECT_NEAR(std::hypot(x[0], x[2]), 1, 1e-14);
+  }
+  EXPECT_TRUE(surface_points(bowl, {}, {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}, spacing, 3).empty());
 }
 
 }  // namespace

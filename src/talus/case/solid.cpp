@@ -210,6 +210,35 @@ Nearness Solid::near(const Vec<3>& x, const Pose& pose, int dim) const {
   return hollow ? Nearness{-n.distance, -1.0 * n.normal} : n;
 }
 
+namespace {
+
+/// Halves a box until its parts are no larger than `spacing`, but no part that the surface does not reach.
+void add_surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim,
+                        std::vector<Vec<3>>& points) {
+  const Vec<3> extent = within.max - within.min, middle = 0.5 * (within.min + within.max);
+  const Nearness n = solid.near(middle, pose, dim);
+  if (std::abs(n.distance) > 0.5 * length(extent)) return;
+  int longest = 0;
+  for (int a = 1; a < dim; ++a)
+    if (extent[a] > extent[longest]) longest = a;
+  if (extent[longest] <= spacing) {
+    points.push_back(middle - n.distance * n.normal);
+    return;
+  }
+  Box lower = within, upper = within;
+  lower.max[longest] = upper.min[longest] = middle[longest];
+  add_surface_points(solid, pose, lower, spacing, dim, points);
+  add_surface_points(solid, pose, upper, spacing, dim, points);
+}
+
+}  // namespace
+
+std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim) {
+  std::vector<Vec<3>> points;
+  add_surface_points(solid, pose, within, spacing, dim, points);
+  return points;
+}
+
 double thickness(const Solid& solid, int dim) { return solid.hollow ? infinity : thickness(solid.shape, dim); }
 
 double fastest(const Solid& solid, double time, const Box& within, int dim) {

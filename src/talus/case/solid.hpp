@@ -121,6 +121,10 @@ struct Solid {
   Nearness near(const Vec<3>& x, const Pose& pose, int dim) const;
 };
 
+/// Points on the surface of a solid in a pose where it passes through a box, for pictures: next to each other by `spacing`
+/// or less. An axis along which the box has no extent is cut across.
+std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim);
+
 /// How thick a solid is where it is thinnest [m]; around a hollow there is no end to it.
 double thickness(const Solid& solid, int dim);
 /// None of a solid's points in a box moves faster at an instant [m/s].

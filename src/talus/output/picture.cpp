@@ -33,6 +33,7 @@ PictureBook::PictureBook(std::filesystem::path folder, const Case& what, std::ve
       axisymmetric_(what.axisymmetric),
       cell_(what.cell),
       title_(what.title),
+      solids_(what.solids),
       times_(std::move(times)) {
   const Box box = bounding_box(what.bodies.at(0).region, dim_);
   slice_ = 0.5 * (box.min[1] + box.max[1]);
@@ -66,6 +67,21 @@ void PictureBook::add(const Observation& seen) {
   times_.push_back(seen.time);
 }
 
+std::string PictureBook::write_solids(int number, const double low[2], const double high[2], double spacing) const {
+  const int up = dim_ - 1;
+  Box shown{{low[0], 0, 0}, {high[0], 0, 0}};
+  if (dim_ == 3) shown.min[1] = shown.max[1] = slice_;
+  shown.min[up] = low[1];
+  shown.max[up] = high[1];
+  std::string rows = dim_ == 3 ? "x [m],z [m]\n" : "x [m],y [m]\n";
+  for (const Solid& solid : solids_)
+    for (const Vec<3>& x : surface_points(solid, solid.motion.at(times_[number]), shown, spacing, dim_))
+      rows += fmt::format("{:.6g},{:.6g}\n", x[0], x[up]);
+  const std::string name = fmt::format("solids_{}.csv", number);
+  write_whole(folder_ / name, rows);
+  return name;
+}
+
 std::vector<Picture> PictureBook::draw() const {
   std::vector<Picture> pictures;
   // What is shown is read back, so that a run that was stopped and gone on with shows the same.
@@ -84,13 +100,22 @@ std::vector<Picture> PictureBook::draw() const {
   }
   if (!(high[0] > low[0])) return pictures;
   const double margin = 2 * cell_;
-  const double width = high[0] - low[0] + 2 * margin, height = high[1] - low[1] + margin;
+  low[0] -= margin;
+  for (double& end : high) end += margin;
+  const double width = high[0] - low[0], height = high[1] - low[1];
   const int n = int(times_.size()), columns = n > 1 ? 2 : 1, rows = (n + columns - 1) / columns;
   // Panels of equal scale; room for tics, titles and the colour bar in pixels.
   const int panel_w = 560, panel_h = std::clamp(int(panel_w * height / width), 60, 700), gap_x = 70, gap_y = 64,
             left = 80, right = 140, top = 70, bottom = 60;
   const int total_w = left + columns * panel_w + (columns - 1) * gap_x + right,
             total_h = top + rows * panel_h + (rows - 1) * gap_y + bottom;
+
+  std::vector<std::string> surfaces;  // what draws them, panel by panel
+  for (int i = 0; i < n; ++i)
+    surfaces.push_back(solids_.empty() ? ""
+                                       : fmt::format(", {} skip 1 using ($1*1e3):($2*1e3) with points pt 7 ps 0.25 lc "
+                                                     "'#333333'",
+                                                     gnuplot_text(write_solids(i, low, high, width / panel_w))));
 
   for (const Shown& s : quantities) {
     if (!values.contains(s.name)) continue;
@@ -113,8 +138,8 @@ std::vector<Picture> PictureBook::draw() const {
                        double(total_h - top - bottom) / total_h)
         << fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
                        gnuplot_text(title_ + ": " + s.title + (dim_ == 3 ? ", slice through the middle" : "")))
-        << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * (low[0] - margin),
-                       1e3 * (high[0] + margin), 1e3 * low[1], 1e3 * (low[1] + height));
+        << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * low[0], 1e3 * high[0],
+                       1e3 * low[1], 1e3 * high[1]);
     for (int i = 0; i < n; ++i) {
       const int c = i % columns, r = i / columns;
       const double x0 = left + c * (panel_w + gap_x), y1 = total_h - top - r * (panel_h + gap_y);
@@ -127,8 +152,8 @@ std::vector<Picture> PictureBook::draw() const {
           << (r == rows - 1 || i + columns >= n ? "set xlabel 'x [mm]' offset 0,0.4\n" : "unset xlabel\n")
           << (i == 1 ? "unset colorbox\n" : "")
           << fmt::format(
-                 "plot {} skip 2 using ($1*1e3):($2*1e3):($3*0.6e3):{} with circles fill solid noborder lc palette\n",
-                 gnuplot_text(instant(i).filename().string()), column);
+                 "plot {} skip 2 using ($1*1e3):($2*1e3):($3*0.6e3):{} with circles fill solid noborder lc palette{}\n",
+                 gnuplot_text(instant(i).filename().string()), column, surfaces[i]);
     }
     out << "unset multiplot\n";
     write_whole(script, out.str());

@@ -16,8 +16,8 @@ struct Picture {
 };
 
 /// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, those of them
-/// that the laws tell. In 3D it shows the slice through the middle. Data (instant_0.csv ...) and scripts (speed.gp ...)
-/// stay in the folder.
+/// that the laws tell, and where the surfaces of solids are. In 3D it shows the slice through the middle. Data
+/// (instant_0.csv ..., solids_0.csv ...) and scripts (speed.gp ...) stay in the folder.
 class PictureBook {
  public:
   /// `times` are those of the instants that are there already [s].
@@ -30,6 +30,9 @@ class PictureBook {
   std::filesystem::path instant(int number) const;
 
  private:
+  /// Writes where the surfaces of solids are at an instant, within a part of the plane that is shown. Returns the file.
+  std::string write_solids(int number, const double low[2], const double high[2], double spacing) const;
+
   std::filesystem::path folder_;
   int dim_;
   bool axisymmetric_;
@@ -37,6 +40,7 @@ class PictureBook {
   std::string title_;
   double floor_;  ///< lower side of the domain [m]
   double slice_;  ///< place of the slice along y [m]
+  std::vector<Solid> solids_;
   std::vector<double> times_;
 };
 

@@ -81,7 +81,8 @@ std::string in_words(const Case& what) {
           fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max", surface_in_words(what.walls[side])));
   text += walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
   for (const Solid& solid : what.solids)
-    text += fmt::format(" `{}` is a solid, {}, that {}.", solid.name, surface_in_words(solid.contact),
+    text += fmt::format(" `{}` is a {}, {}, that {}.", solid.name, solid.hollow ? "hollow solid" : "solid",
+                        surface_in_words(solid.contact),
                         solid.motion.rests()         ? "rests"
                         : solid.motion.angle.empty() ? "moves"
                                                      : "turns");

@@ -108,14 +108,15 @@ nlohmann::json quantities_of(const Observation& seen) {
   return quantities;
 }
 
+/// An element of the page that holds packed numbers.
+std::string element_of(const std::string& id, const std::string& words) {
+  return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, words);
+}
+
 /// One instant: facts for the scene's JSON, and the elements of the page that hold its numbers.
 struct Instant {
   nlohmann::json facts;
   std::string html;
-
-  void add(const std::string& id, const std::string& words) {
-    html += fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, words);
-  }
 };
 
 Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
@@ -137,7 +138,7 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
     const Packed p = places[a].get();
     facts["low"].push_back(p.facts["low"]);
     facts["step_of_place"].push_back(p.facts["step"]);
-    instant.add(fmt::format("place-{}-{}", frame, a), p.words);
+    instant.html += element_of(fmt::format("place-{}-{}", frame, a), p.words);
   }
   auto next = values.begin();
   for (std::size_t q = 1; q < seen.fields.size(); ++q) {
@@ -145,7 +146,7 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
     for (int c = 0; c < seen.fields[q].components; ++c) {
       const Packed p = (next++)->get();
       of_components.push_back(p.facts);
-      instant.add(fmt::format("value-{}-{}-{}", frame, q - 1, c), p.words);
+      instant.html += element_of(fmt::format("value-{}-{}-{}", frame, q - 1, c), p.words);
     }
     if (seen.fields[q].components == 3) {
       std::vector<double> magnitude;
@@ -156,6 +157,49 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
     facts["values"].push_back(of_components);
   }
   return instant;
+}
+
+/// The surfaces of solids as they stood at first, as points that snapshots' times put into their places. Points that lie
+/// closer than these are not seen apart.
+nlohmann::json pack_solids(const Case& what, std::string& html) {
+  constexpr std::size_t most_points = 40'000;
+  nlohmann::json solids = nlohmann::json::array();
+  for (const Solid& solid : what.solids) {
+    const auto box = std::visit(
+        [&](const auto& shape) {
+          if constexpr (requires { Region(shape); })
+            return bounding_box(shape, what.dim);
+          else
+            return what.domain;
+        },
+        solid.shape);
+    double spacing = what.cell / (what.dim == 2 ? 8 : 3);  // a line; in space, points that one looks through
+    std::vector<Vec<3>> points = surface_points(solid, {}, box, spacing, what.dim);
+    for (; points.size() > most_points; points = surface_points(solid, {}, box, spacing, what.dim)) spacing *= 1.5;
+    nlohmann::json facts = {{"name", solid.name}, {"n", points.size()}, {"spacing", spacing}};
+    for (int a = 0; a < 3; ++a) {
+      std::vector<double> along;
+      for (const Vec<3>& x : points) along.push_back(x[a]);
+      const Packed p = packed_places(along);
+      facts["low"].push_back(p.facts["low"]);
+      facts["step_of_place"].push_back(p.facts["step"]);
+      html += element_of(fmt::format("solid-{}-{}", solids.size(), a), p.words);
+    }
+    solids.push_back(facts);
+  }
+  return solids;
+}
+
+/// Where a motion has brought a solid: the rows of x = R x_at_first + t, one after another.
+nlohmann::json pose_of(const Solid& solid, double time) {
+  const Pose pose = solid.motion.at(time);
+  const Vec<3> shift = pose.centre + pose.displacement - pose.turned(pose.centre);
+  nlohmann::json rows = nlohmann::json::array();
+  for (int a = 0; a < 3; ++a) {
+    for (int b = 0; b < 3; ++b) rows.push_back(pose.rotation[a][b]);
+    rows.push_back(shift[a]);
+  }
+  return rows;
 }
 
 /// `n` of `all` numbers, evenly, the first and the last among them.
@@ -191,6 +235,7 @@ std::string viewer(const Case& what, const std::vector<std::filesystem::path>& s
       (every > 1 ? fmt::format(" Of the particles it shows one in {}, drawn larger.", every) : "");
 
   std::string data;
+  scene["solids"] = pack_solids(what, data);
   for (std::size_t i : spread_out(n_all, n)) {
     const Observation seen = read_snapshot(snapshots[i]);
     const nlohmann::json quantities = quantities_of(seen);
@@ -201,6 +246,7 @@ std::string viewer(const Case& what, const std::vector<std::filesystem::path>& s
     const Instant instant = pack(seen, scene["frames"].size(), every);
     data += instant.html;
     scene["frames"].push_back(instant.facts);
+    for (const Solid& solid : what.solids) scene["frames"].back()["poses"].push_back(pose_of(solid, seen.time));
   }
   return std::string(page_parts::viewer_html()) + data + embedded_json("scene", scene.dump()) +
          embedded_script(page_parts::three_js()) + embedded_script(page_parts::orbit_controls_js()) +

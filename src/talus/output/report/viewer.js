@@ -1,6 +1,7 @@
 // The particles of a run through time. Everything stands in the page:
 //   #scene               JSON: quantities, frames with their times, ranges and the scales of what is packed
 //   #place-FRAME-AXIS    packed places along an axis, 16 bits within the frame's bounding box
+//   #solid-SOLID-AXIS    the same of points on a solid's surface as it stood at first; frames hold its poses
 //   #value-FRAME-Q-C     packed component C of quantity Q, half precision times 2^exponent
 // "Packed" is base64 of zlib of the differences between neighbouring particles, high bytes first; viewer.cpp packs.
 "use strict";
@@ -39,15 +40,13 @@
       : exponent ? 2 ** (exponent - 15) * (1 + fraction / 1024) : 2 ** -24 * fraction);
   }
 
-  const places = (f) => keep("places " + f, async () => {
-    const axes = await Promise.all([0, 1, 2].map((a) => unpack(`place-${f}-${a}`)));
-    const n = frames[f].n, out = new Float32Array(3 * n);
-    for (let a = 0; a < 3; ++a) {
-      const low = frames[f].low[a] - origin[a], step = frames[f].step_of_place[a];
-      for (let i = 0; i < n; ++i) out[3 * i + a] = low + step * axes[a][i];
-    }
+  async function unpack_places(id, {n, low, step_of_place}) {
+    const axes = await Promise.all([0, 1, 2].map((a) => unpack(`${id}-${a}`))), out = new Float32Array(3 * n);
+    for (let a = 0; a < 3; ++a)
+      for (let i = 0; i < n; ++i) out[3 * i + a] = low[a] - origin[a] + step_of_place[a] * axes[a][i];
     return out;
-  });
+  }
+  const places = (f) => keep("places " + f, () => unpack_places("place-" + f, frames[f]));
 
   const component = (f, q, c) => keep(`value ${f} ${q} ${c}`, async () => {
     const words = await unpack(`value-${f}-${q}-${c}`), unit = 2 ** frames[f].values[q][c].exponent;
@@ -78,6 +77,10 @@
   for (let a = 0; a < scene.dim; ++a) {
     box.high[a] += scene.spacing / 2;
     if (a !== up) box.low[a] -= scene.spacing / 2;
+    if (!scene.solids.length) continue;
+    const rim = 0.05 * (box.high[a] - box.low[a]);  // of what is around the particles
+    box.high[a] += rim;
+    box.low[a] -= rim;
   }
   const origin = box.low.map((l, a) => (l + box.high[a]) / 2);  // the pictures' own origin, so that 32 bits suffice
   for (const end of [box.low, box.high]) end.forEach((x, a) => { end[a] = x - origin[a]; });
@@ -183,6 +186,46 @@
   const world = new THREE.Scene();
   world.add(cloud);
 
+  // Solids: their surfaces as grey points, where they are in the box; in space one looks through between these.
+  const grey = scene.solids.map((solid, k) => {
+    const points = new THREE.BufferGeometry();
+    const dots = new THREE.Points(points, new THREE.ShaderMaterial({
+      uniforms: {
+        diameter: {value: 1},
+        plane: material.uniforms.plane,
+        low: {value: new THREE.Vector3(...box.low)},
+        high: {value: new THREE.Vector3(...box.high)},
+      },
+      vertexShader: `
+        uniform float diameter;
+        uniform vec4 plane;
+        uniform vec3 low, high;
+        void main() {
+          vec3 x = (modelMatrix * vec4(position, 1.)).xyz;
+          gl_PointSize = max(diameter, 1.5);
+          bool shown = dot(plane.xyz, x) <= plane.w && (${flat} || all(equal(clamp(x, low, high), x)));
+          gl_Position = shown ? projectionMatrix * viewMatrix * vec4(x, 1.) : vec4(2., 2., 2., 1.);
+        }`,
+      fragmentShader: "void main() { gl_FragColor = vec4(.3, .3, .3, 1.); }",
+    }));
+    dots.frustumCulled = dots.matrixAutoUpdate = dots.visible = false;
+    world.add(dots);
+    unpack_places("solid-" + k, solid).then((x) => {
+      points.setAttribute("position", new THREE.BufferAttribute(x, 3));
+      dots.visible = true;
+      draw();
+    });
+    return dots;
+  });
+  function set_poses() {
+    grey.forEach((dots, k) => {
+      const p = frames[now].poses[k], [x, y, z] = origin, turned = [0, 4, 8].map((i) => p[i] * x + p[i + 1] * y + p[i + 2] * z);
+      dots.matrix.set(p[0], p[1], p[2], p[3] + turned[0] - x, p[4], p[5], p[6], p[7] + turned[1] - y,
+                      p[8], p[9], p[10], p[11] + turned[2] - z, 0, 0, 0, 1);
+      dots.matrixWorldNeedsUpdate = true;
+    });
+  }
+
   let now = 0;                  // the frame shown
   let colour = colours[0];
   let ends = [0, 1];            // of the colour scale
@@ -251,6 +294,10 @@
     draw_bar();
     material.uniforms.diameter.value =
       scene.spacing * Number(by_id("size").value) * pixels_per_metre() * renderer.getPixelRatio();
+    grey.forEach((dots, k) => {
+      dots.material.uniforms.diameter.value =
+        (flat ? 1.5 : 0.35) * scene.solids[k].spacing * pixels_per_metre() * renderer.getPixelRatio();
+    });
     renderer.setScissorTest(flat);
     if (flat) renderer.setScissor(inside[0], height - inside[3], inside[2] - inside[0], inside[3] - inside[1]);
     renderer.setScissorTest(false);
@@ -490,6 +537,7 @@
     geometry.attributes.position.array.set(x);
     geometry.attributes.position.needsUpdate = true;
     geometry.setDrawRange(0, frames[frame].n);
+    set_poses();
     set_shades();
     by_id("instant").value = frame;
     by_id("time").value = `t = ${short(frames[frame].time)} s, step ${frames[frame].step}`;
@@ -612,12 +660,20 @@
   // For scripts that drive the page: what is shown now.
   window.talus = {
     state: () => ({frame: now, frames: frames.length, time: frames[now].time, quantity: colour.name, low: ends[0], high: ends[1],
-                   ready: shown.places !== null, particles: frames[now].n,
+                   ready: shown.places !== null && grey.every((dots) => dots.visible), particles: frames[now].n,
                    kept: shown.places ? Array.from({length: frames[now].n}, (_, i) => i).filter(is_kept).length : 0,
                    camera: camera.position.toArray()}),
     // Places [m] of the particles that are shown, one after another, and their values.
     places: () => Array.from(shown.places, (x, i) => x + origin[i % 3]),
     values: () => Array.from(shown.values),
+    // Of every solid, places of the points on its surface [m].
+    solids: () => grey.map((dots) => {
+      dots.updateMatrixWorld();
+      const at_first = dots.geometry.attributes.position, x = new THREE.Vector3(), places = [];
+      for (let i = 0; i < at_first.count; ++i)
+        places.push(...x.fromBufferAttribute(at_first, i).applyMatrix4(dots.matrixWorld).toArray().map((v, a) => v + origin[a]));
+      return places;
+    }),
   };
 
   const first = colours.findIndex((c) => c.name === "velocity magnitude");
