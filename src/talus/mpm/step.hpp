@@ -17,6 +17,7 @@
 #include "talus/mpm/contact.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
+#include "talus/mpm/particle_shift.hpp"
 #include "talus/mpm/time_step.hpp"
 #include "talus/mpm/transfer.hpp"
 #include "talus/mpm/update_stress.hpp"
@@ -39,14 +40,11 @@ class Stepper final : public Simulation {
         loop_(loop),
         grid_(domain.period()),
         contact_finder_(domain),
-        rooms_(domain, shapes_.front()),
+        shift_(domain, bodies_, shapes_),
         scratch_(loop.n_workers()) {
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
-    for (const auto& body : bodies_) {
-      ledger_.elastic += elastic_energy(body);
-      most_room_.push_back(loosest * largest_volume_per_mass(body));
-    }
+    for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
     for (const auto& body : bodies_)
       if (const auto contact = contact_stiffening(body)) contacts_.push_back(*contact);
@@ -368,30 +366,20 @@ class Stepper final : public Simulation {
     }
   }
 
-  /// Moves particles apart where they stand closer than their volumes leave room for, down the gradient of how full the
-  /// nodes are: Fick's diffusion, as Lind, Xu, Stansby and Rogers 2012 (J. Comput. Phys. 231:1499) have it for smoothed
-  /// particles; for material points see Baumgarten and Kamrin 2023 (Int. J. Numer. Meth. Eng.). The velocity
-  /// gradient is known at particles only, so where these are uneven, what flows into a cell is not what they are strained
-  /// by, and flows that shear on and on lose room: 20 % of a tall column's.
+  /// Moves particles apart where they stand too close. What that lifts comes from nowhere: it is numerical.
   void shift_particles() {
     over_tiles([&](int t, int worker, TileSums&) {
-      if (!grid_.tile(t).occupied) return;
-      grid_.clear_window(t);
-      for (auto& body : bodies_) give_volumes(body, t, scratch_[worker]);
+      if (grid_.tile(t).occupied) shift_.give_volumes(bodies_, grid_, t, scratch_[worker]);
     });
     add_windows();
-    over_tiles([&](int t, int, TileSums&) {
-      NodeValue* filled = grid_.velocity(t);
-      for (int i = 0; i < Layout::n_nodes; ++i)
-        filled[i] = NodeValue(grid_.sums(t)[i][3] / rooms_.at(grid_.tile(t).place, i));
-    });
+    over_tiles([&](int t, int, TileSums&) { shift_.find_fillings(grid_, t); });
     boundary_->extend_evenly(grid_, loop_, [&](int t) { return grid_.velocity(t); });
-    over_tiles([&](int t, int, TileSums&) { find_excess(t); });
+    over_tiles([&](int t, int, TileSums&) { shift_.find_excess(grid_, t); });
     boundary_->extend_evenly(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
     const double before = ledger_.potential;
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       if (!grid_.tile(t).occupied) return;
-      follow_excess(t);
+      shift_.follow_excess(bodies_, grid_, t, contact_finder_, ledger_.time);
       account_particles(t, sums);
     });
     take(total);
@@ -581,74 +569,6 @@ class Stepper final : public Simulation {
         if constexpr (hoops) rest.set(0, inwards[lane]);
         rest.set(3, s.stiffness[i + lane]);
         scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, rest, force);
-      }
-    }
-  }
-
-  /// Gives the nodes the volumes of a body's particles, in the lane of the mass. Grains that have moved apart go on
-  /// expanding, but need no more room than the loosest packing.
-  void give_volumes(const Body<Dim>& body, int t, Scratch& s) {
-    const TileParticles& tile = body.tiles[t];
-    if (tile.size() == 0) return;
-    s.resize(tile.size());
-    present_volumes(body.law, body.particles, tile, s);
-    const double most = most_room_[&body - bodies_.data()];
-    for (int i = 0; i < tile.size(); i += 4) {
-      const int count = std::min(4, tile.size() - i);
-      const auto w = weights(body, tile.begin + i, count, t);
-      for (int lane = 0; lane < count; ++lane) {
-        NodeValue volume = zero_node();
-        volume.set(3, std::min(s.volume[i + lane], most * body.particles.mass()[tile.begin + i + lane]));
-        scatter(ParticleWeights<Dim, Shape>{w, lane}, volume, grid_.window(t));
-      }
-    }
-  }
-
-  /// By how much a tile's nodes are too full, from how full all are. Inside the material they may lack something, too; at a
-  /// surface it is no fault. Inside is where a node and its neighbours are as full on average as a cell below a flat surface,
-  /// (1/2 + 47/48 + 1)/3 with quadratic splines; 1/48 may be missing there.
-  void find_excess(int t) {
-    constexpr double below_surface = 1.0 / 48, inside = 119.0 / 144;
-    NodeValue filled[Layout::n_window];
-    grid_.fill_window(t, grid_.velocity(), filled);
-    for (int i = 0; i < Layout::n_nodes; ++i) {
-      const Index<Dim> own = Layout::unflatten(i, tile_edge);
-      double around = 0;
-      for (int n = 0; n < Layout::n_neighbours; ++n) {
-        const Index<Dim> offset = Layout::unflatten(n, 3);
-        int at = 0;
-        for (int a = Dim - 1; a >= 0; --a) at = Layout::window_edge * at + own[a] + offset[a] - 1 + Layout::below;
-        around += filled[at][0];
-      }
-      const double excess = grid_.velocity(t)[i][0] - 1;
-      const bool is_inside = around >= inside * Layout::n_neighbours;
-      grid_.new_velocity(t)[i] =
-          NodeValue(std::max(excess, 0.0) + (is_inside ? std::min(excess + below_surface, 0.0) : 0.0));
-    }
-  }
-
-  /// Moves a tile's particles down the gradient of the nodes' excess, but not into solids.
-  void follow_excess(int t) {
-    NodeValue excess[Layout::n_window];
-    grid_.fill_window(t, grid_.new_velocity(), excess);
-    for (auto& body : bodies_) {
-      if (keeps_neighbours(body.law)) continue;
-      Particles<Dim>& p = body.particles;
-      const TileParticles& tile = body.tiles[t];
-      for (int i = tile.begin; i < tile.end; i += 4) {
-        const int count = std::min(4, tile.end - i);
-        const auto w = weights(body, i, count, t);
-        for (int lane = 0; lane < count; ++lane) {
-          NodeValue slope[Dim];
-          gradient(ParticleWeights<Dim, Shape>{w, lane}, excess, slope);
-          Vec<3> x{}, shift{};
-          for (int a = 0; a < Dim; ++a) {
-            x[a] = p.position(a)[i + lane];
-            shift[a] = domain_.h * std::clamp(-shift_diffusivity * slope[a][0], -largest_shift, largest_shift);
-          }
-          if (!domain_.solids.empty()) shift = contact_finder_.beside_solids(x, shift, ledger_.time);
-          for (int a = 0; a < Dim; ++a) p.position(a)[i + lane] = x[a] + shift[a];
-        }
       }
     }
   }
@@ -973,13 +893,6 @@ class Stepper final : public Simulation {
   /// which windows end; a tenth, because where compression is averaged, particles that have left their tile still count
   /// as in its nearest cell.
   static constexpr double largest_drift = 0.1;
-  /// Of a shift, in cells^2. Of the finest pattern that nodes see, two cells long, a shift takes a quarter; this diffusion
-  /// would be unstable beyond 1.5.
-  static constexpr double shift_diffusivity = 0.2;
-  /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
-  static constexpr double loosest = 1.25;
-  /// Of a shift along an axis, in cells; windows reach farther.
-  static constexpr double largest_shift = 0.1;
 
   Domain<Dim> domain_;
   std::vector<Body<Dim>> bodies_;
@@ -990,8 +903,7 @@ class Stepper final : public Simulation {
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
   ContactFinder<Dim, Shape> contact_finder_;
-  NodeRooms<Dim, Shape> rooms_;
-  std::vector<double> most_room_;                        ///< that particles of a body need [m3/kg]
+  ParticleShift<Dim, Shape> shift_;
   std::vector<std::vector<NodeContact>> node_contacts_;  ///< of this step, tile by tile
   std::vector<Scratch> scratch_;
   Shares shares_;  ///< the tiles, dealt out
