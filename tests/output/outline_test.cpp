@@ -60,11 +60,12 @@ TEST(Outline, ASheetThinnerThanTheDepositsEdgeIsAheadOfTheFront) {
   ParticlePlaces p = heap();
   for (int i = 11; i <= 15; ++i) put(p, 0.1 * i, 0.05);
   const Outline o = OutlineFinder(plane(0.25), p).find(p);
-  // The strip from 0.8 to 1 is 0.5 thick; the next holds 0.05 x 0.5 of the heap and 0.15 x 0.1 of the sheet: 0.2. Between
-  // their middles the line falls to 0.25 at 0.9 + 0.2 (0.5 - 0.25)/(0.5 - 0.2).
-  EXPECT_NEAR(o.front_max[0], 0.9 + 0.2 * 0.25 / 0.3, 1e-12);
-  // On the left the strip at the edge holds 0.05 x 0.5: 0.125.
-  EXPECT_NEAR(o.front_min[0], -(0.9 + 0.2 * 0.25 / 0.375), 1e-12);
+  // The strip from 0.8 to 1 is 0.5 thick; the next holds 0.05 x 0.5 of the heap and 0.15 x 0.1 of the sheet: 0.2; those
+  // after it 0.1 and 0.075. Means over three are 0.8/3 in the strip around 1.1 and 0.125 in the next: between them the line
+  // falls to 0.25 at 1.1 + 0.2 (0.8/3 - 0.25)/(0.8/3 - 0.125).
+  EXPECT_NEAR(o.front_max[0], 1.1 + 0.2 * (0.8 / 3 - 0.25) / (0.8 / 3 - 0.125), 1e-12);
+  // On the left the line falls to it where the material ends.
+  EXPECT_NEAR(o.front_min[0], -1.05, 1e-12);
   EXPECT_NEAR(o.farthest_max[0], 1.55, 1e-12);
 }
 
@@ -73,7 +74,9 @@ TEST(Outline, AWedgeEndsWhereItIsAsThickAsAsked) {
   for (int i = 0; i < 10; ++i)
     for (int j = 0; j < 10 - i; ++j) put(p, 0.05 + 0.1 * i, 0.05 + 0.1 * j);
   const Outline o = OutlineFinder(plane(0.2), p).find(p);
-  EXPECT_NEAR(o.front_max[0], 0.85, 1e-12);
+  // Means over three strips are 0.35 around 0.7, as the wedge is, and over the last two 0.25 around 0.9: there it ends.
+  EXPECT_NEAR(o.front_max[0], 1, 1e-12);
+  EXPECT_NEAR(OutlineFinder(plane(0.3), p).find(p).front_max[0], 0.8, 1e-12);
   EXPECT_NEAR(o.front_min[0], 0, 1e-12);
   ASSERT_EQ(o.surface.places.size(), 7u);  // and an empty strip on either side
   for (int k = 0; k < 5; ++k) {
@@ -91,6 +94,15 @@ TEST(Outline, TheDepositIsThePieceThatHoldsMost) {
     put(p, 1.6, 0.05 + 0.1 * j);
   }
   EXPECT_NEAR(OutlineFinder(plane(), p).find(p).front_max[0], 1.05, 1e-12);
+}
+
+TEST(Outline, ASheetOfParticlesInDisorderEndsWhereItEndsAndNotAtItsThinnestStrip) {
+  // 0.1 thick on average, two particles a strip; but three stand on the strip from 1 to 1.2, one on the next.
+  ParticlePlaces p;
+  for (int i = 0; i < 20; ++i) put(p, i == 12 ? 1.15 : 0.05 + 0.1 * i, 0.05);
+  const Outline o = OutlineFinder(plane(0.08), p).find(p);
+  EXPECT_NEAR(o.front_max[0], 2, 1e-12);
+  EXPECT_NEAR(o.front_min[0], 0, 1e-12);
 }
 
 TEST(Outline, MaterialThinnerThanAskedHasNoFront) {

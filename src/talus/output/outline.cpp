@@ -89,8 +89,21 @@ class Patches {
     }
   }
 
-  /// Patches of the deposit: at least `level` thick and connected by their sides; of several such sets the one that
-  /// holds most.
+  /// How thick the material is on average over a patch and those around it that hold some.
+  double mean_thickness(std::size_t k) const {
+    const int i0 = int(k) % n_[0], j0 = int(k) / n_[0];
+    double volume = 0, area = 0;
+    for (int j = std::max(j0 - 1, 0); j <= std::min(j0 + 1, n_[1] - 1); ++j)
+      for (int i = std::max(i0 - 1, 0); i <= std::min(i0 + 1, n_[0] - 1); ++i) {
+        if (at(i, j).volume == 0) continue;
+        volume += at(i, j).volume;
+        area += at(i, j).area;
+      }
+    return area > 0 ? volume / area : 0;
+  }
+
+  /// Patches of the deposit: that hold material, on average at least `level` thick, and are connected by their sides; of
+  /// several such sets the one that holds most.
   std::vector<bool> deposit(double level) const {
     std::vector<int> set(patches_.size(), 0);  // that a patch belongs to, from 1
     int n_sets = 0, best = 0;
@@ -98,7 +111,7 @@ class Patches {
     std::vector<std::size_t> open;
     const auto enter = [&](std::size_t k) {
       // A layer just as thick as the level counts, however its volume is rounded.
-      if (set[k] != 0 || !(patches_[k].thickness() >= level * (1 - 1e-9))) return;
+      if (set[k] != 0 || patches_[k].volume == 0 || !(mean_thickness(k) >= level * (1 - 1e-9))) return;
       set[k] = n_sets;
       open.push_back(k);
     };
@@ -131,13 +144,11 @@ class Patches {
       const auto next = neighbour(k, axis, side);
       if (!deposit[k] || (next && deposit[*next])) continue;
       const int i = axis == 0 ? int(k % n_[0]) : int(k / n_[0]);
-      const Patch& last = patches_[k];
-      double edge = sign * (origin_[axis] + (i + 0.5) * width_), reach = last.reach[axis][side];
-      if (next) {
-        const Patch& beyond = patches_[*next];
-        edge += width_ * (last.thickness() - level) / (last.thickness() - beyond.thickness());
-        reach = std::max(reach, beyond.reach[axis][side]);
-      } else {
+      double edge = sign * (origin_[axis] + (i + 0.5) * width_), reach = patches_[k].reach[axis][side];
+      if (next && patches_[*next].volume > 0) {
+        edge += width_ * (mean_thickness(k) - level) / (mean_thickness(k) - mean_thickness(*next));
+        reach = std::max(reach, patches_[*next].reach[axis][side]);
+      } else {  // nothing beyond
         edge += width_ / 2;
       }
       farthest = std::max(farthest, std::min(edge, reach));
