@@ -177,6 +177,28 @@ TEST_P(OnAnIncline, ABlockSlidesByCoulombAndMomentumClosesInEveryOrderAndTransfe
     }
 }
 
+TEST_P(OnAnIncline, ADiskRollsWhereFrictionHoldsItsFootAndSlidesWhereItDoesNot) {
+  // A disk (J = m R^2/2) rolls where mu > tan b/3, with b = 30 degrees 0.19: a = g sin b/1.5. Else it slides: a = g (sin b -
+  // mu cos b). Ten cells a radius; it begins where material comes to lie on ground, 0.7 cells above it.
+  const double b = std::numbers::pi / 6, R = 0.5;
+  const auto loop = make_serial();
+  for (const double mu : {0.5, 0.1}) {
+    const bool rolls = mu > std::tan(b) / 3;
+    Case what = incline(mu, b);
+    what.domain.max[1] += 0.6;
+    what.n_cells[1] += 12;
+    what.numerics.tau = 0.1;
+    what.bodies[0].region = Cylinder{{0.7, R + 0.7 * what.cell, 0}, R, 0};
+    const auto s = make_simulation(what, *loop);
+    run_until(*s, 0.8);
+    const double t = s->ledger().time, a = rolls ? g * std::sin(b) / 1.5 : g * (std::sin(b) - mu * std::cos(b)),
+                 within = rolls ? 0.05 : 0.02;
+    EXPECT_NEAR(s->ledger().momentum[0] / s->ledger().mass, a * t, within * a * t) << mu;
+    EXPECT_NEAR(mean(s->observe(), "position", 0) - 0.7, 0.5 * a * t * t, within * 0.5 * a * t * t) << mu;
+    EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover) << mu;
+  }
+}
+
 TEST_P(OnAnIncline, BelowTheAngleOfFrictionABlockStays) {
   // tan 15 degrees = 0.268. It begins pressed by its weight but not yet sheared, so its shear swings up to twice what it
   // will be, 0.54 of the pressure, and mu = 0.7 holds that.
