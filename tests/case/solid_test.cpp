@@ -153,6 +153,10 @@ TEST(Solid, PointsOnItsSurfaceLieCloseToEachOtherWhereverItHasMoved) {
     EXPECT_EQ(x[1], 0);
     EXPECT_NEAR(std::hypot(x[0], x[2]), 1, 1e-14);
   }
+  const Box around = bounding_box(Sphere{{3, 4, 5}, 2}, 3, {}), plane_of_a_disk = bounding_box(disk.shape, 2, {});
+  EXPECT_EQ(around.min, (Vec<3>{1, 2, 3}));
+  EXPECT_EQ(around.max, (Vec<3>{5, 6, 7}));
+  EXPECT_EQ(plane_of_a_disk.max, (Vec<3>{0.5, 1, 0}));
   EXPECT_TRUE(surface_points(bowl, {}, {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}, spacing, 3).empty());
 }
 

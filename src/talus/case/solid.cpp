@@ -143,6 +143,20 @@ double thickness(const SolidShape& shape, int dim) {
       shape);
 }
 
+Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise) {
+  return std::visit(Overloaded{[&](const HalfSpace&) { return otherwise; },
+                               [&](const Sphere& s) {
+                                 Box b{s.centre, s.centre};
+                                 for (int a = 0; a < dim; ++a) {
+                                   b.min[a] -= s.radius;
+                                   b.max[a] += s.radius;
+                                 }
+                                 return b;
+                               },
+                               [&](const auto& region) { return bounding_box(region, dim); }},
+                    shape);
+}
+
 double farthest(const SolidShape& shape, const Vec<3>& from, int dim) {
   const auto of_box = [&](const Box& b) {
     Vec<3> most{};

@@ -65,6 +65,8 @@ Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
 /// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges.
 double thickness(const SolidShape& shape, int dim);
+/// The smallest box around a shape; of a half space, which has none, `otherwise`.
+Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise);
 /// How far the points of a shape are from a point, at most [m].
 double farthest(const SolidShape& shape, const Vec<3>& from, int dim);
 

@@ -165,14 +165,7 @@ nlohmann::json pack_solids(const Case& what, std::string& html) {
   constexpr std::size_t most_points = 40'000;
   nlohmann::json solids = nlohmann::json::array();
   for (const Solid& solid : what.solids) {
-    const auto box = std::visit(
-        [&](const auto& shape) {
-          if constexpr (requires { Region(shape); })
-            return bounding_box(shape, what.dim);
-          else
-            return what.domain;
-        },
-        solid.shape);
+    const Box box = bounding_box(solid.shape, what.dim, what.domain);
     double spacing = what.cell / (what.dim == 2 ? 8 : 3);  // a line; in space, points that one looks through
     std::vector<Vec<3>> points = surface_points(solid, {}, box, spacing, what.dim);
     for (; points.size() > most_points; points = surface_points(solid, {}, box, spacing, what.dim)) spacing *= 1.5;
