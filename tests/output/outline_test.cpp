@@ -79,12 +79,27 @@ TEST(Outline, AWedgeEndsWhereItIsAsThickAsAsked) {
   EXPECT_NEAR(OutlineFinder(plane(0.3), p).find(p).front_max[0], 0.8, 1e-12);
   EXPECT_NEAR(o.front_min[0], 0, 1e-12);
   ASSERT_EQ(o.surface.places.size(), 7u);  // and an empty strip on either side
+  // Strips are 0.95, 0.75, ..., 0.15 thick. Evened out the slope stays, and the first gives the second a quarter of 0.2, as
+  // the last but one the last.
   for (int k = 0; k < 5; ++k) {
     EXPECT_NEAR(o.surface.places[k + 1], 0.1 + 0.2 * k, 1e-12);
-    EXPECT_NEAR(o.surface.thickness[k + 1], 0.95 - 0.2 * k, 1e-12);
+    EXPECT_NEAR(o.surface.thickness[k + 1], 0.95 - 0.2 * k - (k == 0 ? 0.05 : 0) + (k == 4 ? 0.05 : 0), 1e-12);
   }
   EXPECT_EQ(o.surface.thickness[0], 0);
   EXPECT_EQ(o.surface.thickness[6], 0);
+}
+
+TEST(Outline, RowsThatFallIntoStripsUnevenlyMakeNoTeethInTheSurface) {
+  ParticlePlaces p;  // 0.3 thick; two and one particles wide by turns
+  for (int k = 0; k < 10; ++k)
+    for (int i = 0; i < (k % 2 == 0 ? 2 : 1); ++i)
+      for (int j = 0; j < 3; ++j) put(p, 0.2 * k + (k % 2 == 0 ? 0.05 + 0.1 * i : 0.1), 0.05 + 0.1 * j);
+  const Outline o = OutlineFinder(plane(), p).find(p);
+  double area = 0;
+  for (double t : o.surface.thickness) area += 0.2 * t;
+  EXPECT_NEAR(area, 45 * 0.01, 1e-12);
+  for (std::size_t k = 2; k + 2 < o.surface.thickness.size(); ++k)  // one strip's mean is 0.3, the next one's 0.15
+    EXPECT_NEAR(o.surface.thickness[k], 0.225, 1e-12);
 }
 
 TEST(Outline, TheDepositIsThePieceThatHoldsMost) {

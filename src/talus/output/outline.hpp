@@ -6,7 +6,8 @@
 namespace talus {
 
 /// How thick the material lies over the ground, its volume over the area: in strips of the ground as wide as a cell in
-/// plane strain; else in rings about the axis, which makes it the mean around the axis.
+/// plane strain; else in rings about the axis, which makes it the mean around the axis. Neighbours are evened out,
+/// (1, 2, 1)/4.
 struct Surface {
   std::vector<double> places;     ///< middle of each strip, or its distance from the axis [m]
   std::vector<double> thickness;  ///< [m]
