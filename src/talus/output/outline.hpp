@@ -16,11 +16,12 @@ struct Surface {
 /// Outline of the material.
 ///
 /// *Fronts* are where the deposit ends: the ground is cut into patches of a cell; those that hold material, at least
-/// `front_thickness` thick on average over the patch and those around it that hold some, and that hang together by their sides are the
-/// deposit (if there are several, the one that holds most). Its edge lies where that mean thickness, linear between the
-/// middles of patches, falls to that level, and never beyond the material. A thin sheet is a particle or two on a patch:
-/// without the mean, where it ends would be where chance leaves one too few. That is what experiments measure, the edge of what lies on the ground as a whole; grains
-/// that ran or were thrown ahead do not count. NaN while the material is nowhere so thick.
+/// `front_thickness` thick on average over the patch and those around it that hold some, and that hang together by their
+/// sides are the deposit (if there are several, the one that holds most). Its edge lies where that mean thickness, linear
+/// between the middles of patches, falls to that level, and never beyond the material. That is what experiments measure,
+/// the edge of what lies on the ground as a whole; grains that ran or were thrown ahead do not count. A thin sheet is a
+/// particle or two on a patch: without the mean it would end where chance has left one too few. NaN while the material is
+/// nowhere so thick.
 ///
 /// *Farthest* are single particles, as far as the strips from the middle of the mass outwards all hold one. On smooth
 /// ground a sheet of single points can be far ahead of the front.

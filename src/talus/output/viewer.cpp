@@ -113,6 +113,13 @@ std::string element_of(const std::string& id, const std::string& words) {
   return fmt::format("<script type=\"text/plain\" id=\"{}\">{}</script>\n", id, words);
 }
 
+/// Packed places along one axis: their scale for the scene's JSON, and the element that holds them.
+void put_axis(const std::string& id, const Packed& places, nlohmann::json& facts, std::string& html) {
+  facts["low"].push_back(places.facts["low"]);
+  facts["step_of_place"].push_back(places.facts["step"]);
+  html += element_of(id, places.words);
+}
+
 /// One instant: facts for the scene's JSON, and the elements of the page that hold its numbers.
 struct Instant {
   nlohmann::json facts;
@@ -134,12 +141,7 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
   facts["time"] = seen.time;
   facts["step"] = seen.step;
   facts["n"] = (seen.n_particles() + every - 1) / every;
-  for (int a = 0; a < 3; ++a) {
-    const Packed p = places[a].get();
-    facts["low"].push_back(p.facts["low"]);
-    facts["step_of_place"].push_back(p.facts["step"]);
-    instant.html += element_of(fmt::format("place-{}-{}", frame, a), p.words);
-  }
+  for (int a = 0; a < 3; ++a) put_axis(fmt::format("place-{}-{}", frame, a), places[a].get(), facts, instant.html);
   auto next = values.begin();
   for (std::size_t q = 1; q < seen.fields.size(); ++q) {
     nlohmann::json of_components;
@@ -159,24 +161,21 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
   return instant;
 }
 
-/// The surfaces of solids as they stood at first, as points that snapshots' times put into their places. Points that lie
-/// closer than these are not seen apart.
+/// The surfaces of solids as they stood at first, as points: next to each other a line, in space apart, so that one looks
+/// through between them.
 nlohmann::json pack_solids(const Case& what, std::string& html) {
   constexpr std::size_t most_points = 40'000;
   nlohmann::json solids = nlohmann::json::array();
   for (const Solid& solid : what.solids) {
     const Box box = bounding_box(solid.shape, what.dim, what.domain);
-    double spacing = what.cell / (what.dim == 2 ? 8 : 3);  // a line; in space, points that one looks through
+    double spacing = what.cell / (what.dim == 2 ? 8 : 3);
     std::vector<Vec<3>> points = surface_points(solid, {}, box, spacing, what.dim);
     for (; points.size() > most_points; points = surface_points(solid, {}, box, spacing, what.dim)) spacing *= 1.5;
     nlohmann::json facts = {{"name", solid.name}, {"n", points.size()}, {"spacing", spacing}};
     for (int a = 0; a < 3; ++a) {
       std::vector<double> along;
       for (const Vec<3>& x : points) along.push_back(x[a]);
-      const Packed p = packed_places(along);
-      facts["low"].push_back(p.facts["low"]);
-      facts["step_of_place"].push_back(p.facts["step"]);
-      html += element_of(fmt::format("solid-{}-{}", solids.size(), a), p.words);
+      put_axis(fmt::format("solid-{}-{}", solids.size(), a), packed_places(along), facts, html);
     }
     solids.push_back(facts);
   }
