@@ -22,7 +22,7 @@ namespace {
 
 using cases::g;
 
-constexpr Transfer all_transfers[] = {Transfer::xpic_tau, Transfer::flip_tau, Transfer::flip, Transfer::apic,
+constexpr Transfer all_transfers[] = {Transfer::affine_tau, Transfer::flip_tau, Transfer::flip, Transfer::apic,
                                       Transfer::tpic};
 constexpr Order both_orders[] = {Order::usf, Order::musl};
 constexpr ShapeFunction all_shapes[] = {ShapeFunction::quadratic, ShapeFunction::linear, ShapeFunction::cubic,

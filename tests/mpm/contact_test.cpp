@@ -164,7 +164,8 @@ TEST_P(OnAnIncline, ABlockSlidesByCoulombAndMomentumClosesInEveryOrderAndTransfe
   const double b = std::numbers::pi / 6, mu = 0.3, a = g * (std::sin(b) - mu * std::cos(b));
   Case what = incline(mu, b);
   for (Order order : {Order::usf, Order::musl})
-    for (Transfer transfer : {Transfer::xpic_tau, Transfer::flip_tau, Transfer::flip, Transfer::apic, Transfer::tpic}) {
+    for (Transfer transfer :
+         {Transfer::affine_tau, Transfer::flip_tau, Transfer::flip, Transfer::apic, Transfer::tpic}) {
       what.numerics.order = order;
       what.numerics.transfer = transfer;
       const auto loop = make_serial();

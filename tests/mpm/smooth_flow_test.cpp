@@ -139,15 +139,15 @@ double lost_in_tau(Transfer transfer, double tau) {
 TEST(SubGridVelocity, TakesFromSmoothFlowWhatTheFilterIsBuiltToTake) {
   // Given to the nodes by quadratic splines and taken back, a wave is blurred twice by a kernel of variance h^2/4:
   // P = 1 - (kh)^2/4. The amplitude so decays at the rate ((kh)^2/4)/tau under flip_tau, and at the square of it under
-  // xpic_tau; energy at twice that. kh = 2 pi/16; the next terms of the series are a tenth of it.
+  // affine_tau; energy at twice that. kh = 2 pi/16; the next terms of the series are a tenth of it.
   const double blur = std::pow(2 * std::numbers::pi / 16, 2) / 4;
   EXPECT_NEAR(lost_in_tau(Transfer::flip_tau, 0.1), 2 * blur, 0.1 * 2 * blur);
-  EXPECT_NEAR(lost_in_tau(Transfer::xpic_tau, 0.1), 2 * blur * blur, 0.2 * 2 * blur * blur);
+  EXPECT_NEAR(lost_in_tau(Transfer::affine_tau, 0.1), 2 * blur * blur, 0.2 * 2 * blur * blur);
 }
 
 TEST(SubGridVelocity, DecaysWithTauWhereTheGridHoldsNoneOfIt) {
   // Velocities that change sign from particle to particle vanish at the nodes.
-  for (Transfer transfer : {Transfer::flip_tau, Transfer::xpic_tau}) {
+  for (Transfer transfer : {Transfer::flip_tau, Transfer::affine_tau}) {
     const double h = 0.1, tau = 0.1;
     Numerics numerics;
     numerics.transfer = transfer;
@@ -226,8 +226,8 @@ double deviation_from_bagnold(int cells, Transfer transfer) {
 }
 
 TEST(Verification, ALayerDownAnInclineKeepsBagnoldsProfileAndTheErrorFallsAtLeastAsTheSquareOfTheCells) {
-  const double coarse = deviation_from_bagnold(8, Transfer::xpic_tau),
-               fine = deviation_from_bagnold(16, Transfer::xpic_tau);
+  const double coarse = deviation_from_bagnold(8, Transfer::affine_tau),
+               fine = deviation_from_bagnold(16, Transfer::affine_tau);
   EXPECT_LT(fine, 0.01);
   EXPECT_GT(std::log2(coarse / fine), 2);
   // The plainer filter resists like a viscosity of h^2/(4 tau), here as much as the grains' own.
@@ -253,7 +253,7 @@ TEST(Verification, ALayerOfLocalMuIKeepsBagnoldsProfileToo) {
   const Profile pressure = [&](double y) { return std::cos(theta) * (1 - y); };
   const Profile velocity = [&](double y) { return surface * (1 - std::pow(std::max(0.0, 1 - y), 1.5)); };
   const auto off = [&](int cells) {
-    return deviation(law, 1, 0, pressure, velocity, 1, 1, theta, cells, Transfer::xpic_tau, 3);
+    return deviation(law, 1, 0, pressure, velocity, 1, 1, theta, cells, Transfer::affine_tau, 3);
   };
   const double fine = off(16);
   EXPECT_LT(fine, 0.01);

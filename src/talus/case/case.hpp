@@ -28,9 +28,10 @@ inline constexpr Choice shape_function_choices[] = {
     {"ugimp", "hat function averaged over a particle as wide as `spacing` (Bardenhagen and Kober 2004)"},
 };
 
-enum class Transfer { xpic_tau, flip_tau, flip, apic, tpic };
+enum class Transfer { affine_tau, flip_tau, flip, apic, tpic };
 inline constexpr Choice transfer_choices[] = {
-    {"xpic_tau", "FLIP that forgets sub-grid velocity at a rate 1/tau: the result does not depend on the time step"},
+    {"affine_tau",
+     "FLIP that forgets what is not locally affine at a rate 1/tau: the result does not depend on the time step"},
     {"flip_tau", "the same by a plainer filter, which also damps what the grid can hold, like a viscosity h^2/(4 tau)"},
     {"flip", "FLIP with a fixed share `flip_share` a step, 0 is PIC; below 1 the result depends on the time step"},
     {"apic", "affine PIC (Jiang et al. 2015): keeps angular momentum; the result depends on the time step"},
@@ -96,7 +97,7 @@ struct BodySpec {
 struct Numerics {
   Preset preset = Preset::standard;  ///< what the defaults of the rest were
   ShapeFunction shape_function = ShapeFunction::quadratic;
-  Transfer transfer = Transfer::xpic_tau;
+  Transfer transfer = Transfer::affine_tau;
   double tau = 0;         ///< [s]
   double flip_share = 1;  ///< of `flip`
   Order order = Order::usf;
@@ -126,7 +127,7 @@ inline std::string_view word_of(Transfer transfer) { return transfer_choices[int
 inline bool is_affine(Transfer transfer) { return transfer == Transfer::apic || transfer == Transfer::tpic; }
 
 /// Whether sub-grid velocity decays at a rate.
-inline bool has_tau(Transfer transfer) { return transfer == Transfer::flip_tau || transfer == Transfer::xpic_tau; }
+inline bool has_tau(Transfer transfer) { return transfer == Transfer::flip_tau || transfer == Transfer::affine_tau; }
 
 /// Whether a share of the particles' velocity is lost every step, however short, so that the result depends on the step.
 inline bool depends_on_step(const Numerics& n) {

@@ -194,6 +194,42 @@ class Boundary {
       });
   }
 
+  /// The same for values of another kind that know how they look in a mirror, `mirrored(axis, factors of velocities)`. Gives
+  /// originals what their images hold and leaves to nodes on the wall what does not change; then gives images what their
+  /// originals have. Walls that let material slide on with friction, or lift off, mirror nothing.
+  template <class Value>
+  void fold(const GridType& grid, Loop& loop, std::vector<Value>& nodal) const {
+    const auto at = [&](int t, int node) -> Value& { return nodal[std::size_t(t) * Layout::n_nodes + node]; };
+    for (const Mirror& m : mirrors_) {
+      if (m.continues) continue;
+      loop.for_each(int(m.originals.size()), [&](int i, int) {
+        const int t = m.originals[i];
+        visit(grid, t, m, m.original, m.image,
+              [&](int own, int other, int theirs) { at(t, own) += at(other, theirs).mirrored(m.axis, m.factors); });
+      });
+      loop.for_each(int(m.walls.size()), [&](int i, int) {
+        const int t = m.walls[i];
+        visit(grid, t, m, m.wall, m.wall, [&](int own, int, int) {
+          Value both = at(t, own);
+          both += both.mirrored(m.axis, m.factors);
+          at(t, own) = half(both);
+        });
+      });
+    }
+  }
+  template <class Value>
+  void extend(const GridType& grid, Loop& loop, std::vector<Value>& nodal) const {
+    const auto at = [&](int t, int node) -> Value& { return nodal[std::size_t(t) * Layout::n_nodes + node]; };
+    for (const Mirror& m : mirrors_) {
+      if (m.continues) continue;
+      loop.for_each(int(m.images.size()), [&](int i, int) {
+        const int t = m.images[i];
+        visit(grid, t, m, m.image, m.original,
+              [&](int own, int other, int theirs) { at(t, own) = at(other, theirs).mirrored(m.axis, m.factors); });
+      });
+    }
+  }
+
   /// Gives images the scalars of their originals.
   template <class Nodal>
   void extend_evenly(GridType& grid, Loop& loop, Nodal nodal) const {

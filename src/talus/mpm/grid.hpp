@@ -101,7 +101,8 @@ class Grid {
 
   /// Copies nodal values of tile t and its neighbours into an array laid out like a window; where there is no tile,
   /// zero.
-  void fill_window(int t, const std::vector<NodeValue>& nodal, NodeValue* out) const;
+  template <class Value>
+  void fill_window(int t, const std::vector<Value>& nodal, Value* out) const;
   const std::vector<NodeValue>& velocity() const { return velocity_; }
   const std::vector<NodeValue>& new_velocity() const { return new_velocity_; }
   const std::vector<NodeValue>& acceleration() const { return acceleration_; }
@@ -219,13 +220,14 @@ void Grid<Dim, Shape>::add_windows(int t) {
 }
 
 template <int Dim, class Shape>
-void Grid<Dim, Shape>::fill_window(int t, const std::vector<NodeValue>& nodal, NodeValue* out) const {
+template <class Value>
+void Grid<Dim, Shape>::fill_window(int t, const std::vector<Value>& nodal, Value* out) const {
   for (int n = 0; n < Layout::n_neighbours; ++n) {
     const int other = tiles_[t].neighbours[n];
     Index<Dim> mine;  // this tile, seen from the other
     for (int a = 0; a < Dim; ++a) mine[a] = 1 - Layout::unflatten(n, 3)[a];
-    const NodeValue* theirs = other < 0 ? nullptr : &nodal[std::size_t(other) * Layout::n_nodes];
-    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { out[w] = theirs ? theirs[own] : zero_node(); });
+    const Value* theirs = other < 0 ? nullptr : &nodal[std::size_t(other) * Layout::n_nodes];
+    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { out[w] = theirs ? theirs[own] : Value(0.0); });
   }
 }
 

@@ -14,6 +14,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/mpm/affine_filter.hpp"
 #include "talus/mpm/contact.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
@@ -40,6 +41,7 @@ class Stepper final : public Simulation {
         loop_(loop),
         grid_(domain.period()),
         contact_finder_(domain),
+        filter_(domain, shapes_),
         shift_(domain, bodies_, shapes_),
         scratch_(loop.n_workers()) {
     arrange();
@@ -58,7 +60,7 @@ class Stepper final : public Simulation {
     const BoundedStep next = next_step();
     const double dt = next.dt;
     const double alpha = share_kept(dt);
-    const bool filters = numerics_.transfer == Transfer::xpic_tau && unfiltered_ >= numerics_.tau / filters_per_tau;
+    const bool filters = numerics_.transfer == Transfer::affine_tau && unfiltered_ >= numerics_.tau / filters_per_tau;
     if (filters) filter_velocities();
     const TileSums nodes = find_node_velocities(alpha, filters);
     ledger_.numerical += ledger_.kinetic - nodes.held_kinetic + nodes.wall_work;
@@ -103,7 +105,7 @@ class Stepper final : public Simulation {
   }
   long n_tiles() const override { return grid_.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = grid_.bytes();
+    std::size_t b = grid_.bytes() + filter_.bytes();
     for (const auto& body : bodies_)
       b += std::size_t(body.particles.size()) * body.particles.columns().n_columns() * sizeof(double);
     return b;
@@ -161,7 +163,7 @@ class Stepper final : public Simulation {
   /// The share of its own velocity that a particle keeps in a step.
   double share_kept(double dt) const {
     if (is_affine(numerics_.transfer)) return 0;
-    if (numerics_.transfer == Transfer::xpic_tau) return 1;
+    if (numerics_.transfer == Transfer::affine_tau) return 1;
     return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
   }
 
@@ -190,38 +192,33 @@ class Stepper final : public Simulation {
     return total;
   }
 
-  /// Takes from the particles' velocities what has decayed since the last time: v_p -= (1 - exp(-t/tau)) (v - P v - P(v -
-  /// P v))_p, with P what becomes of velocities that are given to the nodes, held to the walls and taken back. Velocity
-  /// that the grid cannot hold at all decays with tau; of motion that is smooth over k cells, a share of the order of k^-4
-  /// (1 - P takes k^-2, and `flip_tau` all of that). Hammerquist and Nairn 2017 (Comput. Methods Appl. Mech. Eng. 318:724)
-  /// take such projections every step, whatever its length.
+  /// Takes from the particles' velocities what has decayed since the last time of what is not locally affine: v_p -= (1 -
+  /// exp(-t/tau)) (v - F v)_p (affine_filter.hpp).
   void filter_velocities() {
     const double share = -std::expm1(-unfiltered_ / numerics_.tau), kinetic = ledger_.kinetic;
     unfiltered_ = 0;
-    find_node_velocities(1);
-    over_tiles([&](int t, int, TileSums&) {
-      if (grid_.tile(t).occupied) give_excess_momentum(t);
-    });
-    add_windows();
+    if (contact_finder_.any()) find_node_velocities(1);  // it says which contacts hold
+    filter_.gather_moments(bodies_, grid_, *boundary_, loop_);
     const TileSums nodes = over_tiles([&](int t, int, TileSums& sums) {
-      const NodeValue* excess = grid_.sums(t);
-      const NodeValue* v = grid_.velocity(t);
-      NodeValue* r = grid_.new_velocity(t);
-      for_each_node(t, [&](int i, NodeValue allowed, bool) {
-        r[i] = v[i][3] > least_mass_ ? allowed * (NodeValue(1 / v[i][3]) * excess[i]) : zero_node();
-      });
-      if (contact_finder_.any()) hold_excess(t, share, sums);
+      filter_.fit(t, least_mass_);
+      for (NodeContact& c : node_contacts_[t]) {
+        if (!c.holds) continue;
+        const Vec<3> impulse = share * filter_.hold(c, t);
+        c.pressed = dot(impulse, c.normal) / filter_.mass(t, c.node);
+        sums.wall_work += dot(impulse, c.velocity);
+        if (!boundary_->near_wall(t)) sums.wall_impulse = sums.wall_impulse + impulse;
+      }
     });
-    boundary_->extend_to_images(grid_, loop_, [&](int t) { return grid_.new_velocity(t); });
+    filter_.extend_to_images(*boundary_, grid_, loop_);
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
-      account_walls(t, grid_.new_velocity(t), zero_node(), sums);
+      sums.wall_impulse = sums.wall_impulse + share * filter_.momentum_gained(t);
       if (!grid_.tile(t).occupied) return;
-      take_excess(t, share);
+      filter_.take_from_particles(bodies_, grid_, t, share);
       account_particles(t, sums);
       give_momentum(t);
     });
     take(total);
-    ledger_.wall_impulse = ledger_.wall_impulse + share * total.wall_impulse;
+    ledger_.wall_impulse = ledger_.wall_impulse + nodes.wall_impulse + total.wall_impulse;
     ledger_.numerical += kinetic - ledger_.kinetic + nodes.wall_work;
     ledger_.wall_work -= nodes.wall_work;
   }
@@ -418,19 +415,6 @@ class Stepper final : public Simulation {
     }
   }
 
-  /// What contacts allow of the velocities that particles have beyond their nodes': none of what passed a surface before.
-  void hold_excess(int t, double share, TileSums& sums) {
-    for (NodeContact& c : node_contacts_[t]) {
-      if (!c.holds) continue;
-      NodeValue& r = grid_.new_velocity(t)[c.node];
-      const NodeValue before = r;
-      const Vec<3> excess = vector_of(before);
-      set_vector(r, c.surface.kind == WallKind::no_slip ? Vec<3>{} : excess - dot(excess, c.normal) * c.normal);
-      c.pressed = share * dot(vector_of(r - before), c.normal);
-      sums.wall_work += share * grid_.velocity(t)[c.node][3] * dot(vector_of(r - before), c.velocity);
-    }
-  }
-
   /// What contacts make of the velocities that nodes have reached. Their energy goes into work on what moves and into
   /// heat of what rubs.
   void rub(int t, double dt, NodeValue gravity, TileSums& sums) {
@@ -600,55 +584,6 @@ class Stepper final : public Simulation {
           }
           if constexpr (what != Advance::velocities) store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
         }
-      }
-    }
-  }
-
-  /// Gives the nodes the momentum that particles have beyond what the nodes' velocities make of it.
-  void give_excess_momentum(int t) {
-    NodeValue velocity[Layout::n_window];
-    grid_.fill_window(t, grid_.velocity(), velocity);
-    grid_.clear_window(t);
-    for_each_four(t, [&](Particles<Dim>& p, const auto& w, int i, int count) {
-      const Quad mass = load<Quad>(p.mass() + i, count);
-      Quad values[4], unused;
-      for (int lane = 0; lane < 4; ++lane)
-        interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, velocity, values[lane], unused);
-      transpose(values);
-      for (int a = 0; a < Dim; ++a) values[a] = mass * (load<Quad>(p.velocity(a) + i, count) - values[a]);
-      for (int a = Dim; a < 4; ++a) values[a] = Quad(0.0);
-      transpose(values);
-      for (int lane = 0; lane < count; ++lane)
-        scatter(ParticleWeights<Dim, Shape>{w, lane}, values[lane], grid_.window(t));
-    });
-  }
-
-  /// Takes from the particles a share of what they have beyond the nodes' velocities and the nodes' part of that.
-  void take_excess(int t, double share) {
-    NodeValue velocity[Layout::n_window], excess[Layout::n_window];
-    grid_.fill_window(t, grid_.velocity(), velocity);
-    grid_.fill_window(t, grid_.new_velocity(), excess);
-    for_each_four(t, [&](Particles<Dim>& p, const auto& w, int i, int count) {
-      Quad at_v[4], at_r[4];
-      for (int lane = 0; lane < 4; ++lane)
-        interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, excess, at_v[lane], at_r[lane]);
-      transpose(at_v);
-      transpose(at_r);
-      for (int a = 0; a < Dim; ++a) {
-        const Quad v = load<Quad>(p.velocity(a) + i, count);
-        store(p.velocity(a) + i, v - Quad(share) * (v - at_v[a] - at_r[a]), count);
-      }
-    });
-  }
-
-  /// Calls f(particles, weights, i, count) for every four particles of a tile, those of the last call fewer.
-  template <class F>
-  void for_each_four(int t, F f) {
-    for (auto& body : bodies_) {
-      const TileParticles& tile = body.tiles[t];
-      for (int i = tile.begin; i < tile.end; i += 4) {
-        const int count = std::min(4, tile.end - i);
-        f(body.particles, weights(body, i, count, t), i, count);
       }
     }
   }
@@ -903,6 +838,7 @@ class Stepper final : public Simulation {
   Grid<Dim, Shape> grid_;
   std::optional<Boundary<Dim, Shape>> boundary_;
   ContactFinder<Dim, Shape> contact_finder_;
+  AffineFilter<Dim, Shape> filter_;
   ParticleShift<Dim, Shape> shift_;
   std::vector<std::vector<NodeContact>> node_contacts_;  ///< of this step, tile by tile
   std::vector<Scratch> scratch_;

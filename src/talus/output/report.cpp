@@ -233,7 +233,7 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
   if (depends_on_step(what.numerics))
     warnings.push_back(fmt::format(
         "The result depends on the time step by construction: {} drops a share of the particles' velocity every step, "
-        "however short it is. Use transfer = \"xpic_tau\", or compare runs with different `cfl`.",
+        "however short it is. Use transfer = \"affine_tau\", or compare runs with different `cfl`.",
         what.numerics.transfer == Transfer::flip ? fmt::format("`flip_share` = {:.4g}", what.numerics.flip_share)
                                                  : fmt::format("transfer = \"{}\"", word_of(what.numerics.transfer))));
   if (energy > 0 && std::abs(l.error()) > most_missed * energy)
