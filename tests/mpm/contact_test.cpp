@@ -213,7 +213,7 @@ TEST_P(OnAnIncline, BelowTheAngleOfFrictionABlockStays) {
   run_until(*s, 0.6);
   // it leans by its elastic shear, on average rho g sin b H^2/(3 G) = 68 um, at most twice that; while it swings its heel
   // is lifted, and slips by some 50 um
-  EXPECT_NEAR(mean(s->observe(), "position", 0), x + 68e-6, 120e-6);  // without friction it would be 0.46 m
+  EXPECT_NEAR(mean(s->observe(), "position", 0), x + 68e-6, 130e-6);  // without friction it would be 0.46 m
   expect_momentum_closes(s->ledger(), what.gravity);
   // and sways about that no faster than its first shear mode does: 68 um pi/2 sqrt(G/rho)/H = 12 mm/s
   EXPECT_LT(std::abs(s->ledger().momentum[0]), 0.012 * s->ledger().mass);

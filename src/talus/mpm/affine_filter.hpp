@@ -5,17 +5,16 @@
 /// the weights m_p N_I(x_p), and (F v)_p = sum N_I(x_p) fit_I(x_p) blends the fits. A fit is a projection, orthogonal in the
 /// mass of the particles, and the weights of a particle add up to one, so F is symmetric in the mass and its eigenvalues
 /// lie between 0 and 1: taking a share of v - F v always takes energy. F keeps every motion that is affine in all of space,
-/// at the edge of a body as inside it, so momentum and angular momentum are kept to rounding. On evenly spaced particles
-/// 1 - F takes from a wave with the wave number k the share (m4 - m2^2)/4 k^4, m2 and m4 the moments of the shape; with
-/// quadratic splines that is (kh)^4/40.
+/// at the edge of a body as inside it, so taking keeps momentum and angular momentum. On evenly spaced particles 1 - F takes
+/// from a wave with the wave number k the share (m4 - m2^2)/4 k^4, m2 and m4 the moments of the shape; with quadratic
+/// splines that is (kh)^4/40.
 ///
-/// The idea of a filter between PIC and FLIP that spares what the grid can hold is Hammerquist and Nairn's (2017, Comput.
-/// Methods Appl. Mech. Eng. 318:724), that of blended local fits Shepard's and McLain's (1974, Comput. J. 17:318).
+/// Blended local fits are an old way to interpolate scattered data (McLain 1974, Comput. J. 17:318). A filter between PIC
+/// and FLIP that spares what the grid can hold is also that of Hammerquist and Nairn 2017 (Comput. Methods Appl. Mech. Eng.
+/// 318:724); it takes the free edge of a body for noise, which this one does not.
 ///
-/// Where walls mirror, the fits are those of the material and its image. At contacts a fit may not carry material through
+/// Where walls mirror, the fits are those of the material with its image. At contacts a fit may not carry material through
 /// the surface: it is made anew among the fields that do not, at the node.
-///
-/// These are the parts of it that concern one tile, in their order; between them nodes are added up over tiles.
 
 #include "talus/mpm/boundary.hpp"
 #include "talus/mpm/contact.hpp"
@@ -32,13 +31,12 @@ class AffineFilter {
   AffineFilter(const Domain<Dim>& domain, std::vector<Shape> shapes) : domain_(domain), shapes_(std::move(shapes)) {}
 
   /// Adds up the moments of all particles at the nodes.
-  void gather_moments(const std::vector<Body<Dim>>& bodies, Grid<Dim, Shape>& grid, const Boundary<Dim, Shape>& boundary,
-                      Loop& loop) {
+  void gather_moments(const std::vector<Body<Dim>>& bodies, Grid<Dim, Shape>& grid,
+                      const Boundary<Dim, Shape>& boundary, Loop& loop) {
     moments_.resize(std::size_t(grid.n_tiles()) * Layout::n_nodes);
     fits_.resize(moments_.size());
-    [&]<int... quads>(std::integer_sequence<int, quads...>) {
-      (gather_quad<quads>(bodies, grid, loop), ...);
-    }(std::make_integer_sequence<int, n_quads>());
+    [&]<int... quads>(std::integer_sequence<int, quads...>) { (gather_quad<quads>(bodies, grid, loop), ...); }
+    (std::make_integer_sequence<int, n_quads>());
     given_.assign(grid.n_tiles(), {});
     for (int t = 0; t < grid.n_tiles(); ++t)
       if (boundary.near_wall(t)) given_[t].assign(&moments_[first(t)], &moments_[first(t)] + Layout::n_nodes);
@@ -141,7 +139,8 @@ class AffineFilter {
 
   /// Sums over the particles around a node with the weights m N, places x counted from the node in cells.
   struct Moments {
-    NodeValue quads[n_quads];  ///< of v and, in lane 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair
+    NodeValue
+        quads[n_quads];  ///< of v and, in lane 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair
 
     const NodeValue& zeroth() const { return quads[0]; }
     const NodeValue& first(int a) const { return quads[1 + a]; }
