@@ -165,12 +165,9 @@ TYPED_TEST(AffineFilters, TakeEnergyAndNeitherMomentumNorAngularMomentum) {
 
 TEST(AffineFilter, LeavesAParticleAloneAndTwoAndARowThatStretches) {
   // One particle is any field, two are a field that varies along their line; of three in a row what bends is taken.
-  const auto stretch = [](const Vec<2>& x) {
-    return Vec<2>{5 * x[0], -3 * x[0]};
-  };
-  for (const Places<2>& places :
-       {Places<2>{{0.8, 0.8}}, Places<2>{{0.8, 0.8}, {0.83, 0.81}}, Places<2>{{0.75, 0.8}, {0.8, 0.8}, {0.85, 0.8}},
-        Places<2>{{0.8, 0.8}, {0.8, 0.8}}}) {
+  const auto stretch = [](const Vec<2>& x) { return Vec<2>{5 * x[0], -3 * x[0]}; };
+  for (const Places<2>& places : {Places<2>{{0.8, 0.8}}, Places<2>{{0.8, 0.8}, {0.83, 0.81}},
+                                  Places<2>{{0.75, 0.8}, {0.8, 0.8}, {0.85, 0.8}}, Places<2>{{0.8, 0.8}, {0.8, 0.8}}}) {
     Cloud<2, Quadratic> cloud(places, stretch);
     const auto before = cloud.velocities();
     cloud.filter();

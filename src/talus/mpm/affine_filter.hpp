@@ -95,8 +95,6 @@ class AffineFilter {
     }
     return {impulse[0], impulse[1], impulse[2]};
   }
-  /// Bytes held.
-  std::size_t bytes() const { return moments_.capacity() * sizeof(Moments) + fits_.capacity() * sizeof(Fit); }
   /// Around a node [kg].
   double mass(int t, int node) const { return moments_[first(t) + node].mass(); }
 
@@ -132,15 +130,22 @@ class AffineFilter {
     });
   }
 
+  /// Bytes held.
+  std::size_t bytes() const {
+    std::size_t b = moments_.capacity() * sizeof(Moments) + fits_.capacity() * sizeof(Fit);
+    for (const auto& given : given_) b += given.capacity() * sizeof(Moments);
+    return b;
+  }
+
  private:
   /// The last quads of the moments have one of these pairs of axes in each lane.
   static constexpr int pairs[8][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}, {}, {}};
   static constexpr int n_quads = Dim == 2 ? 4 : 6;
 
-  /// Sums over the particles around a node with the weights m N, places x counted from the node in cells.
+  /// Sums over the particles around a node with the weights m N, places x counted from the node in cells: of v and, in lane
+  /// 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair.
   struct Moments {
-    NodeValue
-        quads[n_quads];  ///< of v and, in lane 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair
+    NodeValue quads[n_quads];
 
     const NodeValue& zeroth() const { return quads[0]; }
     const NodeValue& first(int a) const { return quads[1 + a]; }

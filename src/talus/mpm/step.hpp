@@ -4,8 +4,9 @@
 /// Sulsky, Chen and Schreyer 1994 (Comput. Methods Appl. Mech. Eng. 118:179), with the operations of Sec. 4.1 of the
 /// paper in their order: the stress comes first, from the velocity that the nodes have at the start of the step (USF,
 /// Nairn 2003, Comput. Model. Eng. Sci. 4:649), and every particle is visited twice a step. `musl` takes the stress last
-/// instead. What a particle's velocity holds beyond the grid's decays with the time tau: v_p = alpha (v_p + dt a) +
-/// (1 - alpha) v_I+, alpha = exp(-dt/tau). A fixed share taken a step makes the result depend on the step.
+/// instead. Particles take accelerations from the nodes; what their velocities hold that is not locally affine decays with
+/// the time tau (affine_filter.hpp), or what they hold beyond the grid's: v_p = alpha (v_p + dt a) + (1 - alpha) v_I+, alpha
+/// = exp(-dt/tau). A fixed share taken a step makes the result depend on the step.
 
 #include <fmt/format.h>
 
