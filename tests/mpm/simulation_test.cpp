@@ -252,7 +252,7 @@ TEST(Simulation, InsideACellThePressureVariesByATenth) {
   double noise = 0;
   int n = 0;
   // Of particles that have just changed cells it is that of the cell they come from, at some instants of a quarter of them;
-  // the mean over several instants counts. Without averaging it would be 0.4 and more (f_bar, nothing).
+  // the mean over several instants counts. Without averaging it is 0.9 and more (f_bar, nothing).
   for (double t = 0.1; t < 0.151; t += 0.005) {
     run_until(*s, t);
     const Observation seen = s->observe();
