@@ -52,14 +52,10 @@ class AffineFilter {
       if (!(mass > least_mass)) continue;
       Vec<Dim> middle;
       for (int a = 0; a < Dim; ++a) middle[a] = m.mass_at(a) / mass;
-      double spread[Dim][Dim];
       NodeValue along[Dim];
       fit.at = NodeValue(1 / mass) * m.zeroth();
-      for (int a = 0; a < Dim; ++a) {
-        along[a] = NodeValue(1 / mass) * m.first(a) - NodeValue(middle[a]) * fit.at;
-        for (int b = 0; b < Dim; ++b) spread[a][b] = m.product(a, b) / mass - middle[a] * middle[b];
-      }
-      find_slopes(spread, along, fit.slope);
+      for (int a = 0; a < Dim; ++a) along[a] = NodeValue(1 / mass) * m.first(a) - NodeValue(middle[a]) * fit.at;
+      find_slopes(m, middle, along, fit.slope);
       for (int a = 0; a < Dim; ++a) fit.at -= NodeValue(middle[a]) * fit.slope[a];
     }
   }
@@ -72,13 +68,9 @@ class AffineFilter {
     const double mass = m.mass();
     NodeValue surface = zero_node();
     for (int a = 0; a < 3; ++a) surface.set(a, c.velocity[a]);
-    double spread[Dim][Dim];
     NodeValue along[Dim], slope[Dim];
-    for (int a = 0; a < Dim; ++a) {
-      along[a] = NodeValue(1 / mass) * (m.first(a) - NodeValue(m.mass_at(a)) * surface);
-      for (int b = 0; b < Dim; ++b) spread[a][b] = m.product(a, b) / mass;
-    }
-    find_slopes(spread, along, slope);
+    for (int a = 0; a < Dim; ++a) along[a] = NodeValue(1 / mass) * (m.first(a) - NodeValue(m.mass_at(a)) * surface);
+    find_slopes(m, Vec<Dim>{}, along, slope);
     const auto held = [&](NodeValue change) {
       if (c.surface.kind == WallKind::no_slip) return change;
       const double across = change[0] * c.normal[0] + change[1] * c.normal[1] + change[2] * c.normal[2];
@@ -198,16 +190,18 @@ class AffineFilter {
     }
   };
 
-  /// Solves spread slope = along, an axis after the other. Along an axis on which particles do not spread, beyond what
-  /// those before explain, the slope is 0.
-  static void find_slopes(const double (&spread)[Dim][Dim], const NodeValue (&along)[Dim], NodeValue (&slope)[Dim]) {
+  /// Solves spread slope = along, with the second moments of the particles about a place, an axis after the other. Along an
+  /// axis on which particles do not spread, beyond what those before explain, the slope is 0.
+  static void find_slopes(const Moments& m, const Vec<Dim>& about, const NodeValue (&along)[Dim],
+                          NodeValue (&slope)[Dim]) {
+    const auto spread = [&](int a, int b) { return m.product(a, b) / m.mass() - about[a] * about[b]; };
     double lower[Dim][Dim] = {}, extent[Dim];  // spread = (1 + lower) diag(extent) (1 + lower)^T
     for (int a = 0; a < Dim; ++a) {
-      extent[a] = spread[a][a];
+      extent[a] = spread(a, a);
       slope[a] = along[a];
       for (int b = 0; b < a; ++b) {
         if (extent[b] == 0) continue;
-        double product = spread[a][b];
+        double product = spread(a, b);
         for (int c = 0; c < b; ++c) product -= lower[a][c] * lower[b][c] * extent[c];
         lower[a][b] = product / extent[b];
         extent[a] -= lower[a][b] * product;

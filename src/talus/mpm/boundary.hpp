@@ -160,16 +160,12 @@ class Boundary {
   void fold_images(GridType& grid, Loop& loop) const {
     for (const Mirror& m : mirrors_) {
       const NodeValue factors = m.continues ? NodeValue(-1.0) : m.factors;
-      loop.for_each(int(m.originals.size()), [&](int i, int) {
-        const int t = m.originals[i];
-        visit(grid, t, m, m.original, m.image,
-              [&](int own, int other, int theirs) { grid.sums(t)[own] += factors * grid.sums(other)[theirs]; });
+      for_each_pair(grid, loop, m, m.originals, m.original, m.image, [&](int t, int own, int other, int theirs) {
+        grid.sums(t)[own] += factors * grid.sums(other)[theirs];
       });
       if (!m.continues) continue;
-      loop.for_each(int(m.walls.size()), [&](int i, int) {
-        const int t = m.walls[i];
-        visit(grid, t, m, m.wall, m.image,
-              [&](int own, int other, int theirs) { grid.sums(t)[own] += NodeValue(2.0) * grid.sums(other)[theirs]; });
+      for_each_pair(grid, loop, m, m.walls, m.wall, m.image, [&](int t, int own, int other, int theirs) {
+        grid.sums(t)[own] += NodeValue(2.0) * grid.sums(other)[theirs];
       });
     }
   }
@@ -178,20 +174,19 @@ class Boundary {
   /// the grid's velocities or its acceleration. Images keep what stands in the lane of the mass.
   template <class Nodal>
   void extend_to_images(GridType& grid, Loop& loop, Nodal nodal) const {
-    for (const Mirror& m : mirrors_)
-      loop.for_each(int(m.images.size()), [&](int i, int) {
-        const int t = m.images[i];
-        const auto put = [&](int own, NodeValue value) {
-          value.set(3, nodal(t)[own][3]);
-          nodal(t)[own] = value;
-        };
-        const NodeValue factors = m.continues ? NodeValue(-1.0) : m.factors;
-        visit(grid, t, m, m.image, m.original,
-              [&](int own, int other, int theirs) { put(own, factors * nodal(other)[theirs]); });
-        if (!m.continues) return;
-        visit(grid, t, m, m.image, m.wall,
-              [&](int own, int other, int theirs) { put(own, nodal(t)[own] + NodeValue(2.0) * nodal(other)[theirs]); });
+    const auto put = [&](int t, int own, NodeValue value) {
+      value.set(3, nodal(t)[own][3]);
+      nodal(t)[own] = value;
+    };
+    for (const Mirror& m : mirrors_) {
+      const NodeValue factors = m.continues ? NodeValue(-1.0) : m.factors;
+      for_each_pair(grid, loop, m, m.images, m.image, m.original,
+                    [&](int t, int own, int other, int theirs) { put(t, own, factors * nodal(other)[theirs]); });
+      if (!m.continues) continue;
+      for_each_pair(grid, loop, m, m.images, m.image, m.wall, [&](int t, int own, int other, int theirs) {
+        put(t, own, nodal(t)[own] + NodeValue(2.0) * nodal(other)[theirs]);
       });
+    }
   }
 
   /// The same for values of another kind that know how they look in a mirror, `mirrored(axis, factors of velocities)`. Gives
@@ -202,43 +197,32 @@ class Boundary {
     const auto at = [&](int t, int node) -> Value& { return nodal[std::size_t(t) * Layout::n_nodes + node]; };
     for (const Mirror& m : mirrors_) {
       if (m.continues) continue;
-      loop.for_each(int(m.originals.size()), [&](int i, int) {
-        const int t = m.originals[i];
-        visit(grid, t, m, m.original, m.image,
-              [&](int own, int other, int theirs) { at(t, own) += at(other, theirs).mirrored(m.axis, m.factors); });
+      for_each_pair(grid, loop, m, m.originals, m.original, m.image, [&](int t, int own, int other, int theirs) {
+        at(t, own) += at(other, theirs).mirrored(m.axis, m.factors);
       });
-      loop.for_each(int(m.walls.size()), [&](int i, int) {
-        const int t = m.walls[i];
-        visit(grid, t, m, m.wall, m.wall, [&](int own, int, int) {
-          Value both = at(t, own);
-          both += both.mirrored(m.axis, m.factors);
-          at(t, own) = half(both);
-        });
+      for_each_pair(grid, loop, m, m.walls, m.wall, m.wall, [&](int t, int own, int, int) {
+        Value both = at(t, own);
+        both += both.mirrored(m.axis, m.factors);
+        at(t, own) = half(both);
       });
     }
   }
   template <class Value>
   void extend(const GridType& grid, Loop& loop, std::vector<Value>& nodal) const {
     const auto at = [&](int t, int node) -> Value& { return nodal[std::size_t(t) * Layout::n_nodes + node]; };
-    for (const Mirror& m : mirrors_) {
-      if (m.continues) continue;
-      loop.for_each(int(m.images.size()), [&](int i, int) {
-        const int t = m.images[i];
-        visit(grid, t, m, m.image, m.original,
-              [&](int own, int other, int theirs) { at(t, own) = at(other, theirs).mirrored(m.axis, m.factors); });
-      });
-    }
+    for (const Mirror& m : mirrors_)
+      if (!m.continues)
+        for_each_pair(grid, loop, m, m.images, m.image, m.original, [&](int t, int own, int other, int theirs) {
+          at(t, own) = at(other, theirs).mirrored(m.axis, m.factors);
+        });
   }
 
   /// Gives images the scalars of their originals.
   template <class Nodal>
   void extend_evenly(GridType& grid, Loop& loop, Nodal nodal) const {
     for (const Mirror& m : mirrors_)
-      loop.for_each(int(m.images.size()), [&](int i, int) {
-        const int t = m.images[i];
-        visit(grid, t, m, m.image, m.original,
-              [&](int own, int other, int theirs) { nodal(t)[own] = nodal(other)[theirs]; });
-      });
+      for_each_pair(grid, loop, m, m.images, m.image, m.original,
+                    [&](int t, int own, int other, int theirs) { nodal(t)[own] = nodal(other)[theirs]; });
   }
 
   /// A node of a tile, counted in the whole grid.
@@ -290,6 +274,16 @@ class Boundary {
   static bool holds(const Tile<Dim, Shape>& tile, int axis, int node) {
     const int i = node - tile_edge * tile.place[axis];
     return i >= 0 && i < tile_edge;
+  }
+
+  /// Calls f(tile, node, tile of its partner, node of its partner) for the nodes of these tiles at index `here` along the
+  /// mirror's axis, whose partners are at `there`; tiles at the same time.
+  template <class F>
+  void for_each_pair(const GridType& grid, Loop& loop, const Mirror& m, const std::vector<int>& tiles, int here,
+                     int there, F f) const {
+    loop.for_each(int(tiles.size()), [&](int i, int) {
+      visit(grid, tiles[i], m, here, there, [&](int own, int other, int theirs) { f(tiles[i], own, other, theirs); });
+    });
   }
 
   /// Calls f(node, tile of its partner, node of its partner) for the nodes of tile t at index `here` along the mirror's
