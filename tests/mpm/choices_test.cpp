@@ -332,7 +332,7 @@ TEST(Order, BothOrdersKeepTheEnergyOfTwoDisksThatBounce) {
     RecordProperty(std::string(order_choices[int(order)].word), std::to_string(s->ledger().kinetic / kinetic));
     EXPECT_GT(s->ledger().kinetic, 0.90 * kinetic);
     EXPECT_LT(s->ledger().kinetic, 1.001 * kinetic);
-    EXPECT_LT(std::abs(s->ledger().error()), 0.02 * s->ledger().turnover);
+    EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
   }
 }
 
@@ -443,7 +443,7 @@ TEST(Axisymmetric, ASolidCylinderBreathesWithItsPeriod) {
       ASSERT_LT(t, 10 * period);
     }
     EXPECT_NEAR((turns.back() - turns.front()) / 2.5, period, 0.01 * period);
-    EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover);
+    EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
   }
 }
 

@@ -102,7 +102,7 @@ TEST(Verification, ATallColumnThatHasCollapsedTakesTheRoomOfItsVolume) {
     const Ledger& l = s->ledger();
     room[shifting] = volume_over_room(s->observe(), what.cell);
     height[shifting] = l.potential / (l.mass * cases::g);
-    EXPECT_LT(std::abs(l.error()), 1e-3 * l.turnover);
+    EXPECT_LT(std::abs(l.error()), 1e-4 * l.turnover);
     EXPECT_NEAR(l.momentum[0] - momentum_at_start, l.wall_impulse[0], 1e-9 * l.mass) << "velocities are not touched";
   }
   EXPECT_NEAR(room[true], 1, 0.04);

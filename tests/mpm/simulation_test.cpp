@@ -143,7 +143,7 @@ TEST(Simulation, AnElasticBarBetweenSmoothWallsSwingsWithItsPeriod) {
     }
   ASSERT_EQ(lowest.size(), 5u);
   EXPECT_NEAR((lowest.back() - lowest.front()) / 4 / T, 1, 0.005);
-  EXPECT_LT(std::abs(s->ledger().error()), 0.015 * s->ledger().turnover);
+  EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
 }
 
 TEST(Simulation, TwoElasticDisksBounceAndKeepTheirEnergy) {
@@ -225,7 +225,7 @@ TEST(Simulation, SandWithoutStressSettlesOnAFloorAsFarAsItsWeightPressesIt) {
   const Granular law = case_1();
   const double p = 2500 / 1.85 * g * 0.5, strain = std::sqrt(p / 1e5) / law.frictional.growth(0.85);
   EXPECT_LT(s->ledger().max_speed, std::sqrt(2 * g * strain * 0.5));  // what falling by that would give
-  EXPECT_LT(std::abs(s->ledger().error()), 0.05 * s->ledger().turnover);
+  EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
 }
 
 TEST(Simulation, SandThatDropsOnAFloorStaysAndGainsNoEnergy) {
@@ -238,7 +238,7 @@ TEST(Simulation, SandThatDropsOnAFloorStaysAndGainsNoEnergy) {
       const Ledger& l = s->ledger();
       ASSERT_LT(l.kinetic + l.potential + l.elastic, most * (1 + 1e-3)) << gap << " m, t = " << l.time;
     }
-    EXPECT_LT(std::abs(s->ledger().error()), 0.05 * s->ledger().turnover) << gap;
+    EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover) << gap;
   }
 }
 
@@ -283,7 +283,7 @@ TEST(Simulation, ASlumpAccountsForItsEnergyWithinOnePercentAndKeepsItsSymmetry) 
   const auto s = make_simulation(what, *loop);
   for (double t = 0.05; t <= 0.4; t += 0.05) {
     run_until(*s, t);
-    EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover) << t;
+    EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover) << t;
   }
   EXPECT_GT(s->ledger().plastic, 0.3 * s->ledger().turnover);
   const ParticlePlaces p = s->places();

@@ -60,7 +60,7 @@ TEST(TurningSolids, AFluidIsBroughtToTurnByItsDrumAsViscosityHasIt) {
     EXPECT_NEAR(spin / in_the_end, spun_up(s->ledger().time), 0.03) << t;
     // The drum's torque times its rate is its work.
     EXPECT_NEAR(-s->ledger().wall_work, rate * spin, 0.03 * rate * in_the_end) << t;
-    EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover) << t;
+    EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover) << t;
   }
   // Nothing has passed the drum.
   EXPECT_GT(mean_of(s->observe(), [&](const Vec<3>& x, const Vec<3>&) { return dot(x, x) < 1.03 * R * R; }), 0.9999);
@@ -108,7 +108,7 @@ TEST(TurningSolids, ABlockOnATableThatIsTiltedBeginsToSlideAtTheAngleOfFriction)
   const double degree = std::numbers::pi / 180;
   EXPECT_LT(slid(), way_from(std::atan(mu) - degree));
   EXPECT_GT(slid(), way_from(std::atan(mu) + degree));
-  EXPECT_LT(std::abs(s->ledger().error()), 0.01 * s->ledger().turnover);
+  EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
 }
 
 }  // namespace

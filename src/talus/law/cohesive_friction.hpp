@@ -62,16 +62,28 @@ struct CohesiveFriction : Elasticity {
     const R w_end = select(carries, w + R(M_psi) * dkappa, w);
     const R p = select(carries, max(R(K) * w_end, R(apex)), R(apex));
 
-    // Plastic work at the mean of the stresses at both ends, so that with what is stored it is the work of the strain.
-    const R q_before = R(1.5) * double_dot(deviator(state.stress), s_trial) / max(q_trial, R(1e-300));
-    const R dilating = select(carries, R(0.5) * (pressure(state.stress) + p) * R(M_psi), zero);
-    const R closing = min(w_end, R(closed())) - min(state.compression, R(closed()));
-    state.stress = stress_from(q / max(q_trial, R(1e-300)) * s_trial, p);
+    // Shear and flow work at the mean of the stresses at both ends, pressure as it follows compression; an opening is held
+    // by the cohesion alone.
+    const R p_before = pressure(state.stress);
+    const SymTensor<R> s_before = deviator(state.stress), s = q / max(q_trial, R(1e-300)) * s_trial;
+    const R q_before = R(1.5) * double_dot(s_before, s_trial) / max(q_trial, R(1e-300));
+    const R dilating = select(carries, R(0.5) * (p_before + p) * R(M_psi), zero) * dkappa;
+    const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
+    const R compressing = R(0.5 / K) * (p * p - p_before * p_before);
+    const R work = compressing + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;
+    const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, strain);
+    state.stress = stress_from(s, p);
     state.compression = w_end;
     state.kappa = state.kappa + dkappa;
     state.volume_ratio = state.volume_ratio * exp(trace(strain));
-    const R work = (R(0.5) * (q_before + q) - dilating) * dkappa + R(apex) * closing;
-    return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, zero};
+    return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, plastic_work, zero};
+  }
+
+  /// Stress that follows the logarithmic strain stores its energy in the present volume; what it stored before the volume
+  /// changed is not all there, a share of the order of the elastic strain. Of a unit of present volume [J/m3].
+  template <Number R>
+  TALUS_HD R lost_to_volume(const State<R>& before, const SymTensor<R>& strain) const {
+    return (exp(-trace(strain)) - R(1.0)) * energy_density(before.stress);
   }
 
   template <class R>

@@ -53,6 +53,7 @@ struct GranularOf {
       state.collisional = c.stress;
     response.viscosity = select(apart, R(0.0), c.viscosity);
     response.collisional_work = R(0.5) * double_dot(before + c.stress, motion.strain);
+    response.work = response.work + response.collisional_work;
     return response;
   }
 

@@ -59,8 +59,9 @@ struct Response {
   R outcome;           ///< an `Outcome`, as a number so that packs can hold it
   R stiffness;         ///< K + 4/3 G [Pa], for the speed of compression waves
   R viscosity;         ///< [Pa s], for the viscous limit of the time step
-  R plastic_work;      ///< work turned into heat by friction in this step, at the mean of its stresses [J/m3]
-  R collisional_work;  ///< work done against the collisional stress in this step, likewise [J/m3]
+  R work;              ///< of the stress on the strain of this step, along the path that the law takes [J/m3]
+  R plastic_work;      ///< its part that friction turned into heat or that elasticity does not store [J/m3]
+  R collisional_work;  ///< its part done against collisional stress [J/m3]
 };
 
 /// How a law integrates its stress over a step.

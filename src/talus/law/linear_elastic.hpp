@@ -33,17 +33,19 @@ struct LinearElastic : Elasticity {
     const R zero = R(0.0);
     const R before = state.volume_ratio;
     state.volume_ratio = before * exp(trace(motion.strain));
-    if (measure == StressMeasure::cauchy) {
-      const SymTensor<R> old_flux = before * state.stress;
-      const R stored = before * energy_density(state.stress);
-      state.stress = state.stress + stress_increment(motion.strain);
-      const R work = R(0.5) * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
-      const R not_stored = (work + stored) / state.volume_ratio - energy_density(state.stress);
-      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, not_stored, zero};
-    }
     const R per_volume = R(1.0) / state.volume_ratio;
-    state.stress = per_volume * (before * state.stress + stress_increment(motion.strain));
-    return {R(double(Outcome::elastic)), R(wave_modulus()) * per_volume, zero, zero, zero};
+    const SymTensor<R> old_flux = before * state.stress;
+    const auto work = [&] {
+      return R(0.5) * per_volume * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
+    };
+    if (measure == StressMeasure::cauchy) {
+      const R stored = per_volume * before * energy_density(state.stress);
+      state.stress = state.stress + stress_increment(motion.strain);
+      const R not_stored = work() + stored - energy_density(state.stress);
+      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, work(), not_stored, zero};
+    }
+    state.stress = per_volume * (old_flux + stress_increment(motion.strain));
+    return {R(double(Outcome::elastic)), R(wave_modulus()) * per_volume, zero, work(), zero, zero};
   }
 
   template <class R>

@@ -72,13 +72,18 @@ struct LocalMuI : CohesiveFriction {
     const mask_t<R> yields = tau_trial > R(mu_s) * p;
     const R tau = select(carries, select(yields, returned(tau_trial, p, motion.dt), tau_trial), zero);
     const R shear = (tau_trial - tau) * R(1 / shear_modulus());
-    // Plastic work at the mean of the stresses at both ends, so that with what is stored it is the work of the strain.
-    const R tau_before = R(0.5) * double_dot(deviator(state.stress), s_trial) / max(tau_trial, R(1e-300));
-    state.stress = stress_from(tau / max(tau_trial, R(1e-300)) * s_trial, p);
+    // Shear works at the mean of the stresses at both ends, pressure as it follows compression.
+    const R p_before = pressure(state.stress);
+    const SymTensor<R> s_before = deviator(state.stress), s = tau / max(tau_trial, R(1e-300)) * s_trial;
+    const R tau_before = R(0.5) * double_dot(s_before, s_trial) / max(tau_trial, R(1e-300));
+    const R work =
+        R(0.5 / bulk_modulus()) * (p * p - p_before * p_before) + R(0.5) * double_dot(s_before + s, motion.strain);
+    const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, motion.strain);
+    state.stress = stress_from(s, p);
     state.compression = w;
     state.kappa = state.kappa + R(1 / std::numbers::sqrt3) * shear;
     state.volume_ratio = state.volume_ratio * exp(trace(motion.strain));
-    return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, R(0.5) * (tau_before + tau) * shear, zero};
+    return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, work, plastic_work, zero};
   }
 
   double grain_diameter() const { return d; }

@@ -167,7 +167,8 @@ struct MuI {
     } else {
       c = collide(state.history, motion.strain_rate, state.void_ratio, p_f, how.scheme == Integrator::forward_euler);
     }
-    return {R(double(Outcome::plastic)), zero, c.viscosity, zero, double_dot(c.stress, motion.strain)};
+    const R work = double_dot(c.stress, motion.strain);
+    return {R(double(Outcome::plastic)), zero, c.viscosity, work, zero, work};
   }
 
   template <class R>

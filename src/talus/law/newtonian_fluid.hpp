@@ -35,13 +35,19 @@ struct NewtonianFluid {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const R zero(0.0);
+    const R stored_before = elastic_energy(state) * exp(-trace(motion.strain));  // of what is a unit of volume now
     state.compression = state.compression - trace(motion.strain);
     const mask_t<R> closed = state.compression > zero;
     const R viscosity = select(closed, R(eta), zero);
     const SymTensor<R> D = deviator(motion.strain_rate), viscous = (R(2.0) * viscosity) * D;
     state.stress = stress_from(viscous, pressure_at(state.compression));
-    return {select(closed, R(double(Outcome::elastic)), R(double(Outcome::separated))), R(K), R(2.0) * viscosity,
-            double_dot(viscous, motion.strain), zero};
+    const R heat = double_dot(viscous, motion.strain);
+    return {select(closed, R(double(Outcome::elastic)), R(double(Outcome::separated))),
+            R(K),
+            R(2.0) * viscosity,
+            elastic_energy(state) - stored_before + heat,
+            heat,
+            zero};
   }
 
   template <class R>

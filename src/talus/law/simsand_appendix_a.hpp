@@ -136,7 +136,7 @@ struct SimsandAppendixA {
 
 TALUS_HD inline Response<double> SimsandAppendixA::forward_euler(State<double>& s, const Motion<double>& m) const {
   const Increment d = increment(m);
-  Response<double> response{double(Outcome::zero_pressure), 0, 0, 0, 0};
+  Response<double> response{double(Outcome::zero_pressure), 0, 0, 0, 0, 0};
   if (!(s.x > 0)) {
     let_go(s, d);
     return response;
@@ -161,7 +161,7 @@ TALUS_HD inline Response<double> SimsandAppendixA::modified_euler(State<double>&
                                                                   double tolerance) const {
   const Increment whole = increment(m);
   const double least_substep = 1e-9, fading_x = 1e-4, on_surface = 1e-9;
-  Response<double> response{double(Outcome::elastic), 0, 0, 0, 0};
+  Response<double> response{double(Outcome::elastic), 0, 0, 0, 0, 0};
   double done = 0, step = 1;
   while (done < 1) {
     step = min(step, 1 - done);

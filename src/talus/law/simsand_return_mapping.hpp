@@ -243,16 +243,18 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
       open = open & !sure;
     }
   }
-  const R x = r.x, stored_in_shear = law.stored_in_shear(state);
+  const R x = select(elastic, trial.x, r.x);
+  // Stored before the step, of what is a unit of volume after it.
+  const R shrunk = (R(1.0) + state.skeleton_void_ratio) / (R(1.0) + trial.e);
+  const R stored_before = shrunk * law.elastic_energy(state), shear_before = shrunk * law.stored_in_shear(state);
 
   const M carries = !lost;
   const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
   if (all(carries)) {
-    state = {equation.stress(r), select(elastic, trial.x, x), kappa, trial.e};
+    state = {equation.stress(r), x, kappa, trial.e};
   } else {
     const Simsand::State<R> loose = let_go(law, state, D_v, trial, kappa);
-    state = {talus::select<R>(carries, equation.stress(r), loose.stress),
-             select(carries, select(elastic, trial.x, x), loose.x), kappa,
+    state = {talus::select<R>(carries, equation.stress(r), loose.stress), select(carries, x, loose.x), kappa,
              select(carries, trial.e, loose.skeleton_void_ratio)};
   }
 
@@ -261,12 +263,23 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
   response.outcome = select(open, R(double(Outcome::unconverged)), response.outcome);
   response.stiffness = select(carries, law.wave_modulus(law.bulk_modulus(trial.a, r.p, x)), zero);
   response.viscosity = zero;
-  // At the mean of the stresses at both ends, as the work of the strain is. Where contacts are lost, friction has all that
-  // was stored in shear too.
+  // Shear and flow work at the mean of the stresses at both ends, compression along p ~ x^m; a gap opens and closes without
+  // work. With stiffness that follows the pressure not all elastic work is stored. Where contacts are lost, they give back
+  // what compression stored, and friction has what shear did.
+  const R q = select(elastic, r.q_trial, r.p * r.eta());
   const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) / max(r.q_trial, R(1e-300));
-  const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + r.p * r.eta());
-  response.plastic_work = select(carries, (p_mean * R(law.A_d) * (r.M_pt - r.eta()) + q_mean) * r.dkappa,
-                                 R(0.5) * equation.se + stored_in_shear);
+  const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + q);
+  const R compressing = (r.p * x - equation.p_n * equation.x_n) / (R(equation.m + 1) * trial.a);
+  const R shearing = (q * q - R(1.5) * equation.ss) / (R(6.0) * r.G);
+  const R half_se = R(0.5) * equation.se;
+  response.work = select(carries,
+                         compressing + p_mean * (trial.x - x) / trial.a + half_se +
+                             R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
+                         half_se + shear_before - stored_before);
+  response.plastic_work = select(carries,
+                                 (p_mean * R(law.A_d) * (r.M_pt - r.eta()) + q_mean) * r.dkappa + compressing +
+                                     shearing + stored_before - law.elastic_energy(state),
+                                 half_se + shear_before);
   response.collisional_work = zero;
   return response;
 }

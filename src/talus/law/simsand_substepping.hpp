@@ -24,7 +24,6 @@ struct SplitStrain {
 struct Change {
   SymTensor<double> s;
   double x, dkappa;
-  double plastic_work;
 };
 
 /// The rates of elastoplasticity at one state.
@@ -89,8 +88,7 @@ struct Tangent {
   }
 
   TALUS_HD Change change(const SplitStrain& strain, double dkappa) const {
-    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa,
-            (p * dilatancy() + q) * dkappa};
+    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa};
   }
   TALUS_HD Change elastic(const SplitStrain& strain) const { return change(strain, 0); }
   TALUS_HD Change plastic(const SplitStrain& strain) const {
@@ -106,7 +104,6 @@ TALUS_HD inline SubstepState after(const SubstepState& state, const Change& c, d
 struct Heun {
   SubstepState state;
   double error;
-  double plastic_work;
   bool valid;
 };
 
@@ -115,18 +112,17 @@ TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const Sp
   const Tangent start(law, from, strain);
   const Change first = yielding ? start.plastic(strain) : start.elastic(strain);
   const SubstepState euler = after(from, first, e_new);
-  if (!(euler.x > 0.1 * from.x)) return {from, 1, 0, false};
+  if (!(euler.x > 0.1 * from.x)) return {from, 1, false};
   const Tangent end(law, euler, strain);
-  if (yielding && !(start.resistance() > 0 && end.resistance() > 0)) return {from, 1, 0, false};
+  if (yielding && !(start.resistance() > 0 && end.resistance() > 0)) return {from, 1, false};
   const Change second = yielding ? end.plastic(strain) : end.elastic(strain);
-  const Change mean = {0.5 * (first.s + second.s), 0.5 * (first.x + second.x), 0.5 * (first.dkappa + second.dkappa),
-                       0.5 * (first.plastic_work + second.plastic_work)};
+  const Change mean = {0.5 * (first.s + second.s), 0.5 * (first.x + second.x), 0.5 * (first.dkappa + second.dkappa)};
   const SubstepState improved = after(from, mean, e_new);
-  if (!(improved.x > 0.1 * from.x)) return {from, 1, 0, false};
+  if (!(improved.x > 0.1 * from.x)) return {from, 1, false};
   const double in_s = 0.5 * von_mises(second.s - first.s) / end.p;
   const double in_p = 0.5 * law.exponent() * abs(second.x - first.x) / improved.x;
   const double in_h = 0.5 * abs(second.dkappa - first.dkappa) / (law.k_p + improved.kappa);
-  return {improved, max(in_s, max(in_p, in_h)), mean.plastic_work, true};
+  return {improved, max(in_s, max(in_p, in_h)), true};
 }
 
 /// Brings a state that drifted off the yield surface back along the plastic flow, the total strain unchanged.
@@ -196,7 +192,8 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
                                                                   const Motion<double>& motion, double tolerance) {
   const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
   const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
-  Response<double> response{double(Outcome::elastic), 0, 0, 0, 0};
+  Response<double> response{double(Outcome::elastic), 0, 0, 0, 0, 0};
+  const double stored = law.elastic_energy(state);
   const double fading_step = size > 0 ? fading_strain / size : 1.0;
   double done = 0, step = 1, implicit_step = fading_step;
   while (done < 1) {
@@ -224,9 +221,11 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
       explicit_works = next.valid;
       if (explicit_works) {
         const SubstepState to = yielding ? correct_drift(law, next.state, strain) : next.state;
-        state = {stress_from(to.s, law.pressure_at(to.x)), to.x, to.kappa, to.e};
+        const double p = law.pressure_at(to.x);
+        const SplitStrain by = whole.part(taken);
+        response.work += 0.5 * (double_dot(from.s + to.s, by.dev) + (law.pressure_at(from.x) + p) * by.D_v);
+        state = {stress_from(to.s, p), to.x, to.kappa, to.e};
         response.outcome = double(yielding ? Outcome::plastic : Outcome::elastic);
-        response.plastic_work += next.plastic_work;
         // What an elastic part took up to the yield surface says nothing of the steps after it.
         if (taken == step) step *= next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0;
         done = done + taken >= 1 - 1e-14 ? 1 : done + taken;
@@ -237,12 +236,13 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
       const Response<double> r =
           return_mapping(law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt});
       response.outcome = r.outcome;
-      response.plastic_work += r.plastic_work;
+      response.work += r.work;
       // Without pressure there is nothing to follow closely.
       implicit_step = r.outcome > double(Outcome::plastic) ? 2 * implicit_step : fading_step;
       done = done + step >= 1 - 1e-14 ? 1 : done + step;
     }
   }
+  response.plastic_work = response.work - (law.elastic_energy(state) - stored * exp(whole.D_v));
   const double p = pressure(state.stress);
   response.stiffness =
       p > 0 ? law.wave_modulus(law.bulk_modulus(law.growth(state.skeleton_void_ratio), p, state.x)) : 0;
@@ -262,7 +262,8 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
   const bool yielding = t.yield() >= 0 && t.loading(strain) > 0;
   const Change c = yielding ? t.plastic(strain) : t.elastic(strain);
   const double p_new = p + t.K / t.a * c.x;
-  Response<double> response{double(yielding ? Outcome::plastic : Outcome::elastic), 0, 0, c.plastic_work, 0};
+  Response<double> response{double(yielding ? Outcome::plastic : Outcome::elastic), 0, 0, 0, 0, 0};
+  response.plastic_work = (t.p * t.dilatancy() + t.q) * c.dkappa;
   if (p_new > 0) {
     state = {stress_from(from.s + c.s, p_new), law.x_at(p_new), from.kappa + c.dkappa, trial.e};
     response.stiffness = law.wave_modulus(law.bulk_modulus(trial.a, p_new, state.x));
@@ -270,6 +271,8 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
     state = let_go(law, state, strain.D_v, trial, from.kappa + deviatoric_strain(strain.dev));
     response.outcome = double(state.x < 0 ? Outcome::separated : Outcome::zero_pressure);
   }
+  response.work =
+      0.5 * (double_dot(from.s + deviator(state.stress), strain.dev) + (p + pressure(state.stress)) * strain.D_v);
   return response;
 }
 

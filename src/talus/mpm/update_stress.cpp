@@ -149,8 +149,6 @@ TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const 
         total.averaging += old_volume * (own - law.elastic_energy(state));
       }
     }
-    // From here the law starts: what the mean does to the stress is no work of the strain.
-    const SymTensor<Pack> old_flux = old_volume * Law::total_stress(state);
     const Response<Pack> response = law.update(state, motion, how.integration);
     store_states(particles, first, count, state);
 
@@ -159,7 +157,7 @@ TALUS_FLATTEN void update_with(const Law& law, Particles<Dim>& particles, const 
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
     // With means over cells the material feels the mean rate and the nodes the particle's own: what that costs is numerical.
-    total.internal_work += Pack(0.5) * double_dot(old_flux + flux, motion.strain);
+    total.internal_work += volume * response.work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
