@@ -97,6 +97,11 @@ TEST(Figure, MisfitIsTheRootMeanSquareOverTheLargestMeasurement) {
   EXPECT_NEAR(number(R"(misfit("a: stress"))"), std::sqrt((10 * 10 + 20 * 20 + 20 * 20) / 4.0) / 100, 1e-9);
 }
 
+TEST(Figure, RelativeMisfitTakesEachPointInReachByItself) {
+  // computed 0, 60, 120 at measured 0, 50, 100: nothing is relative to 0, and what lies beyond the end is out of reach
+  EXPECT_NEAR(number(R"(relative_misfit("a: stress"))"), 0.2, 1e-9);
+}
+
 TEST(Figure, AStatementHoldsInsideItsRangeInEachReadingByItself) {
   const Verdict v =
       evaluated(read(statement(R"(last("a: stress_yy"))", "at_least = 200e3\nat_most = 250e3"))).verdicts[0];

@@ -50,13 +50,27 @@ double misfit_of(const std::vector<double>& distances, const Points& points) {
   return !distances.empty() && largest > 0 ? std::sqrt(sum / double(distances.size())) / largest : none;
 }
 
+/// rms of the relative distances of a line from the points within its reach.
+double relative_misfit_of(const Points& line, const Points& points) {
+  double sum = 0;
+  int n = 0;
+  for (std::size_t i = 0; i < points.x.size(); ++i) {
+    const double off = interpolate(line, points.x[i]) / points.y[i] - 1;
+    if (!std::isfinite(off)) continue;
+    sum += off * off;
+    ++n;
+  }
+  return n > 0 ? std::sqrt(sum / n) : none;
+}
+
 DrawnCurve draw(const Panel& panel, const CurveSpec& spec, int curve, const std::optional<ResultTable>& result) {
-  DrawnCurve drawn{curve, {}, {}, none, none};
+  DrawnCurve drawn{curve, {}, {}, none, none, none};
   if (result) drawn.computed = {evaluate(panel.x.value, *result), evaluate(panel.y.value, *result)};
   if (spec.measured && !panel.x.measured.empty() && !panel.y.measured.empty()) {
     drawn.measured = {evaluate(panel.x.measured, *spec.measured), evaluate(panel.y.measured, *spec.measured)};
     const std::vector<double> off = distances(drawn.computed, drawn.measured);
     drawn.misfit = misfit_of(off, drawn.measured);
+    drawn.relative_misfit = relative_misfit_of(drawn.computed, drawn.measured);
     if (!off.empty()) drawn.deviation = *std::max_element(off.begin(), off.end());
   }
   return drawn;
@@ -98,6 +112,7 @@ class Measures {
     });
     define<&DrawnCurve::misfit>("misfit");
     define<&DrawnCurve::deviation>("deviation");
+    define<&DrawnCurve::relative_misfit>("relative_misfit");
   }
 
   double number(const std::string& formula) {

@@ -20,8 +20,9 @@ struct Points {
 struct DrawnCurve {
   int curve;
   Points computed, measured;
-  double misfit;     ///< rms distance in y from the measured points over the largest of these; NaN without them
-  double deviation;  ///< largest distance in y from the measured points, in units of the axis; NaN without them
+  double misfit;           ///< rms distance in y from the measured points over the largest of these; NaN without them
+  double deviation;        ///< largest distance in y from the measured points, in units of the axis; NaN without them
+  double relative_misfit;  ///< rms of the distances in y from the points in its reach, each over its point; NaN without
 };
 
 /// A row of a table: one of a curve's runs.
