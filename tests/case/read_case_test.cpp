@@ -199,8 +199,10 @@ TEST(ReadCase, TheStepsMayBeAsLongAsTheShapeBears) {
 
 TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
   EXPECT_EQ(with_numerics("transfer = \"apic\"").transfer, Transfer::apic);
-  EXPECT_EQ(with_numerics("shape = \"linear\"\ntransfer = \"tpic\"").transfer, Transfer::tpic);
-  expect_complaint("[run]", "[numerics]\nshape = \"linear\"\ntransfer = \"apic\"\n[run]", "apic needs smoother shapes");
+  EXPECT_EQ(with_numerics("shape = \"ugimp\"\ntransfer = \"tpic\"").transfer, Transfer::tpic);
+  for (const std::string transfer : {"apic", "tpic"})
+    expect_complaint("[run]", "[numerics]\nshape = \"linear\"\ntransfer = \"" + transfer + "\"\n[run]",
+                     transfer + " needs smoother shapes");
   expect_complaint("[run]", "[numerics]\ntransfer = \"tpic\"\ntau = \"1 ms\"\n[run]", "tau is no key of");
   EXPECT_TRUE(with_numerics("f_bar = true").f_bar);
   EXPECT_FALSE(with_numerics("f_bar = true").average_pressure);

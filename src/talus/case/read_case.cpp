@@ -637,11 +637,12 @@ void read_numerics(Section& s, Case& what) {
   }
   n.shape_function = ShapeFunction(s.choice({"shape", "shape functions", shape_function_choices}));
   n.transfer = Transfer(s.choice({"transfer", "how velocity goes between particles and grid", transfer_choices}));
-  if (n.transfer == Transfer::apic && n.shape_function == ShapeFunction::linear)
-    s.complain(
-        "transfer",
-        "apic needs smoother shapes: hat functions hand the particles' moments to nodes that have next to no mass; "
-        "use shape = \"quadratic\", or transfer = \"tpic\"");
+  if (is_affine(n.transfer) && n.shape_function == ShapeFunction::linear)
+    s.complain("transfer",
+               fmt::format("{} needs smoother shapes: with hat functions nodes that have next to no mass take "
+                           "a velocity out of proportion, and energy comes from nowhere; use shape = "
+                           "\"quadratic\", or a transfer that is not affine",
+                           word_of(n.transfer)));
   if (has_tau(n.transfer)) {
     const Parameter tau{"tau", "s", Range::positive(), "time in which velocity that the grid cannot hold decays"};
     double low = std::numeric_limits<double>::infinity(), high = -low;

@@ -95,7 +95,8 @@ class ParticleShift {
           Vec<3> x{}, shift{};
           for (int a = 0; a < Dim; ++a) {
             x[a] = p.position(a)[i + lane];
-            shift[a] = domain_.h * std::clamp(-diffusivity * slope[a][0], -largest_shift, largest_shift);
+            const double freely = -diffusivity * slope[a][0];
+            shift[a] = domain_.h * std::clamp(freely, -room_towards(2 * a, x[a]), room_towards(2 * a + 1, x[a]));
           }
           if (!domain_.solids.empty()) shift = solids.beside_solids(x, shift, time);
           for (int a = 0; a < Dim; ++a) p.position(a)[i + lane] = x[a] + shift[a];
@@ -105,6 +106,14 @@ class ParticleShift {
   }
 
  private:
+  /// How far a particle at x may be shifted towards a side of the domain, in cells: half the way to a wall at most.
+  /// Splines are even at walls and lead nothing through; hat functions are not.
+  double room_towards(int side, double x) const {
+    if (is_passable(domain_.walls[side].kind)) return largest_shift;
+    const int axis = side / 2, wall = side % 2 == 0 ? 0 : domain_.n_cells[axis];
+    return std::min(largest_shift, 0.5 * std::abs((x - domain_.origin[axis]) / domain_.h - wall));
+  }
+
   /// Of a shift, in cells^2. Of the finest pattern that nodes see, two cells long, a shift takes a quarter; this diffusion
   /// would be unstable beyond 1.5.
   static constexpr double diffusivity = 0.2;

@@ -599,7 +599,7 @@ class Stepper final : public Simulation {
       for (int i = tile.begin; i < tile.end; i += 4) {
         const int count = std::min(4, tile.end - i);
         auto w = weights(body, i, count, t);
-        if (apic) w = with_arms<Arms::moment>(w, domain_.in_cells(p.places(i, count)), shape_of(body));
+        if (apic) w = with_arms<Arms::collect_moment>(w, domain_.in_cells(p.places(i, count)), shape_of(body), domain_);
         Quad columns[Dim][4];
         for (int lane = 0; lane < 4; ++lane) {
           NodeValue of_one[Dim];
@@ -648,7 +648,8 @@ class Stepper final : public Simulation {
         const int count = std::min(4, tile.end - i);
         const FourPlaces<Dim> x = domain_.in_cells(p.places(i, count));
         auto w = weights(body, i, count, t);
-        w = apic ? with_arms<Arms::per_area>(w, x, shape_of(body)) : with_arms<Arms::moment>(w, x, shape_of(body));
+        w = apic ? with_arms<Arms::hand_moment>(w, x, shape_of(body), domain_)
+                 : with_arms<Arms::hand_gradient>(w, x, shape_of(body), domain_);
         const Quad mass = to_cells * load<Quad>(p.mass() + i, count);
         Quad columns[Dim][4];
         for (int b = 0; b < Dim; ++b) {

@@ -31,15 +31,20 @@ struct FourWeights {
 /// Weights whose place of the derivatives is taken by what affine transfers hand to nodes and collect from them, so that
 /// `scatter_gradient` and `gradient` serve them too; in cells.
 enum class Arms {
-  moment,   ///< N_I (x_I - x): collects the moment of the nodes' velocity (apic), hands on a gradient (tpic)
-  per_area  ///< the same over sum N_I (x_I - x)^2 an axis: hands on a moment (apic)
+  collect_moment,  ///< N_I (x_I - x): the moment of the nodes' velocity (apic)
+  hand_gradient,   ///< the same (tpic)
+  hand_moment      ///< the same over sum N_I (x_I - x)^2 an axis (apic)
 };
 /// That sum is 1/4 for quadratic and 1/3 for cubic splines (Jiang et al. 2015, ACM Trans. Graph. 34:51, Sec. 5.3); uGIMP's
 /// depends on the place. Hat functions have none that is bounded from below: a moment handed to a node that a particle
 /// barely touches would be a velocity without bound, so there is no apic with them.
+///
+/// At a wall with contacts the node behind it passes on what it is handed, twice to the node on the wall and taken once
+/// from the one in front of it (boundary.hpp), and their distances count, not its own: so nodes get the motion that
+/// varies linearly around the particle as it is there. With its own, the walls would feed energy to what shears on them.
 template <Arms arms, int Dim, class Shape>
 FourWeights<Dim, Shape> with_arms(FourWeights<Dim, Shape> w, const std::type_identity_t<FourPlaces<Dim>>& x,
-                                  const Shape& shape) {
+                                  const Shape& shape, const Domain<Dim>& domain) {
   constexpr int n = Shape::support;
   for (int a = 0; a < Dim; ++a) {
     const auto at = shape.at(x[a]);
@@ -49,7 +54,16 @@ FourWeights<Dim, Shape> with_arms(FourWeights<Dim, Shape> w, const std::type_ide
       moment[i] = at.N[i] * reach;
       area += moment[i] * reach;
     }
-    for (int i = 0; i < n; ++i) store(w.dN[a][i], arms == Arms::per_area ? moment[i] / area : moment[i]);
+    if constexpr (arms != Arms::collect_moment && n > 2)
+      for (int side : {0, 1}) {
+        if (!domain.walls[2 * a + side].is_contact()) continue;
+        const int i = side == 0 ? 0 : n - 1, inwards = side == 0 ? 1 : -1;
+        const Quad behind(side == 0 ? -1.0 : domain.n_cells[a] + 1.0);
+        const Quad passed_on = select(at.first + Quad(i) == behind, Quad(2.0 * inwards) * at.N[i], Quad(0.0));
+        moment[i + inwards] += passed_on;
+        moment[i + 2 * inwards] -= passed_on;
+      }
+    for (int i = 0; i < n; ++i) store(w.dN[a][i], arms == Arms::hand_moment ? moment[i] / area : moment[i]);
   }
   return w;
 }
