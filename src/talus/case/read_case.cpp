@@ -654,8 +654,11 @@ void read_numerics(Section& s, Case& what) {
     const double g = std::sqrt(dot(what.gravity, what.gravity));
     if (g > 0 && high > low)
       n.tau = s.number(tau, 0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies");
-    else if (s.is_right())
-      n.tau = s.number(tau);
+    else if (s.is_right())  // nothing falls, so nothing tells how fast it goes
+      n.tau =
+          s.number({tau.key, tau.unit, tau.range,
+                    "time in which velocity that the grid cannot hold decays: a hundredth of that of the motion; or "
+                    "take transfer = \"apic\" for bodies that turn, \"flip\" for elastic waves"});
     else  // there is a default perhaps, once what it follows from is right
       n.tau = s.optional_number(tau).value_or(0);
   } else {
