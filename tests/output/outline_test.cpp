@@ -120,6 +120,18 @@ TEST(Outline, ASheetOfParticlesInDisorderEndsWhereItEndsAndNotAtItsThinnestStrip
   EXPECT_NEAR(o.front_min[0], 0, 1e-12);
 }
 
+TEST(Outline, TheFarthestParticleIsNeverBehindTheFront) {
+  // A row of particles half a strip apart but one, whose neighbours reach over the strip from 1 to 1.2 from either side.
+  ParticlePlaces p;
+  for (int i = 0; i < 20; ++i)
+    if (i != 10 && i != 11) put(p, 0.05 + 0.1 * i, 0.05);
+  p.places[9][0] = 0.99;
+  p.places[10][0] = 1.21;
+  const Outline o = OutlineFinder(plane(0.05), p).find(p);
+  EXPECT_NEAR(o.front_max[0], 2, 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 2, 1e-12);
+}
+
 TEST(Outline, MaterialThinnerThanAskedHasNoFront) {
   const ParticlePlaces p = heap();
   const Outline o = OutlineFinder(plane(0.6), p).find(p);

@@ -22,23 +22,27 @@ struct Reach {
 };
 
 /// The range [low, high] of what is connected to the median: reached from it through strips of a given width that all
-/// hold particles. Particles of a broken run that are nowhere do not count.
+/// hold a part of a particle, as those of a deposit do. Particles of a broken run that are nowhere do not count.
 std::pair<double, double> connected_range(std::vector<Reach> particles, double width) {
   std::erase_if(particles, [&](const Reach& p) { return !(std::abs(p.centre) < 1e9 * width); });
   if (particles.empty()) return {0, 0};
-  const auto strip_of = [&](const Reach& p) { return std::floor(p.centre / width); };
+  const auto strip_of = [&](double x) { return std::floor(x / width); };
   const auto median = particles.begin() + particles.size() / 2;
   std::nth_element(particles.begin(), median, particles.end(),
                    [](const Reach& a, const Reach& b) { return a.centre < b.centre; });
   std::unordered_set<double> strips;
-  for (const Reach& p : particles) strips.insert(strip_of(p));
+  const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
+  for (const Reach& p : particles)
+    for (double strip = strip_of(p.centre - p.half + rounding); strip <= strip_of(p.centre + p.half - rounding);
+         ++strip)
+      strips.insert(strip);
 
-  double low = strip_of(*median), high = low;
+  double low = strip_of(median->centre), high = low;
   while (strips.contains(low - 1)) --low;
   while (strips.contains(high + 1)) ++high;
   double least = median->centre, most = least;
   for (const Reach& p : particles) {
-    if (strip_of(p) < low || strip_of(p) > high) continue;
+    if (strip_of(p.centre) < low || strip_of(p.centre) > high) continue;
     least = std::min(least, p.centre - p.half);
     most = std::max(most, p.centre + p.half);
   }
