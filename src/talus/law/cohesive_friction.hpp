@@ -71,19 +71,17 @@ struct CohesiveFriction : Elasticity {
     const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
     const R compressing = R(0.5 / K) * (p * p - p_before * p_before);
     const R work = compressing + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;
-    const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, strain);
-    state.stress = stress_from(s, p);
-    state.compression = w_end;
-    state.kappa = state.kappa + dkappa;
-    state.volume_ratio = state.volume_ratio * exp(trace(strain));
+    const R volume_ratio = state.volume_ratio * exp(trace(strain));
+    const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, volume_ratio);
+    state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};
     return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, plastic_work, zero};
   }
 
   /// Stress that follows the logarithmic strain stores its energy in the present volume; what it stored before the volume
   /// changed is not all there, a share of the order of the elastic strain. Of a unit of present volume [J/m3].
   template <Number R>
-  TALUS_HD R lost_to_volume(const State<R>& before, const SymTensor<R>& strain) const {
-    return (exp(-trace(strain)) - R(1.0)) * energy_density(before.stress);
+  TALUS_HD R lost_to_volume(const State<R>& before, R volume_ratio) const {
+    return (before.volume_ratio / volume_ratio - R(1.0)) * energy_density(before.stress);
   }
 
   template <class R>

@@ -30,22 +30,18 @@ struct LinearElastic : Elasticity {
 
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
-    const R zero = R(0.0);
+    const R zero = R(0.0), one = R(1.0);
+    const bool is_cauchy = measure == StressMeasure::cauchy;
     const R before = state.volume_ratio;
     state.volume_ratio = before * exp(trace(motion.strain));
-    const R per_volume = R(1.0) / state.volume_ratio;
-    const SymTensor<R> old_flux = before * state.stress;
-    const auto work = [&] {
-      return R(0.5) * per_volume * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
-    };
-    if (measure == StressMeasure::cauchy) {
-      const R stored = per_volume * before * energy_density(state.stress);
-      state.stress = state.stress + stress_increment(motion.strain);
-      const R not_stored = work() + stored - energy_density(state.stress);
-      return {R(double(Outcome::elastic)), R(wave_modulus()), zero, work(), not_stored, zero};
-    }
-    state.stress = per_volume * (old_flux + stress_increment(motion.strain));
-    return {R(double(Outcome::elastic)), R(wave_modulus()) * per_volume, zero, work(), zero, zero};
+    const R per_volume = one / state.volume_ratio;
+    const SymTensor<R> old_flux = before * state.stress, increment = stress_increment(motion.strain);
+    const R stored = per_volume * before * energy_density(state.stress);
+    state.stress = is_cauchy ? state.stress + increment : per_volume * (old_flux + increment);
+    const R work = R(0.5) * per_volume * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
+    const R not_stored = is_cauchy ? work + stored - energy_density(state.stress) : zero;
+    return {
+        R(double(Outcome::elastic)), R(wave_modulus()) * (is_cauchy ? one : per_volume), zero, work, not_stored, zero};
   }
 
   template <class R>

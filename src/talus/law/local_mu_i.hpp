@@ -78,11 +78,9 @@ struct LocalMuI : CohesiveFriction {
     const R tau_before = R(0.5) * double_dot(s_before, s_trial) / max(tau_trial, R(1e-300));
     const R work =
         R(0.5 / bulk_modulus()) * (p * p - p_before * p_before) + R(0.5) * double_dot(s_before + s, motion.strain);
-    const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, motion.strain);
-    state.stress = stress_from(s, p);
-    state.compression = w;
-    state.kappa = state.kappa + R(1 / std::numbers::sqrt3) * shear;
-    state.volume_ratio = state.volume_ratio * exp(trace(motion.strain));
+    const R volume_ratio = state.volume_ratio * exp(trace(motion.strain));
+    const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, volume_ratio);
+    state = {stress_from(s, p), w, state.kappa + R(1 / std::numbers::sqrt3) * shear, volume_ratio};
     return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, work, plastic_work, zero};
   }
 

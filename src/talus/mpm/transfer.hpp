@@ -37,7 +37,7 @@ enum class Arms {
 };
 /// That sum is 1/4 for quadratic and 1/3 for cubic splines (Jiang et al. 2015, ACM Trans. Graph. 34:51, Sec. 5.3); uGIMP's
 /// depends on the place. Hat functions have none that is bounded from below: a moment handed to a node that a particle
-/// barely touches would be a velocity without bound, so there is no apic with them.
+/// barely touches would be a velocity without bound, so there is no affine transfer with them.
 ///
 /// At a wall with contacts the node behind it passes on what it is handed, twice to the node on the wall and taken once
 /// from the one in front of it (boundary.hpp), and their distances count, not its own: so nodes get the motion that

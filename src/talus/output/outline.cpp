@@ -32,10 +32,10 @@ std::pair<double, double> connected_range(std::vector<Reach> particles, double w
                    [](const Reach& a, const Reach& b) { return a.centre < b.centre; });
   std::unordered_set<double> strips;
   const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
-  for (const Reach& p : particles)
-    for (double strip = strip_of(p.centre - p.half + rounding); strip <= strip_of(p.centre + p.half - rounding);
-         ++strip)
-      strips.insert(strip);
+  for (const Reach& p : particles) {
+    const double half = std::min(p.half, width) - rounding;  // grains that fly apart take up any volume
+    for (double strip = strip_of(p.centre - half); strip <= strip_of(p.centre + half); ++strip) strips.insert(strip);
+  }
 
   double low = strip_of(median->centre), high = low;
   while (strips.contains(low - 1)) --low;
