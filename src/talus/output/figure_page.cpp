@@ -47,6 +47,11 @@ std::string block(const std::string& name, const Points& points) {
   return text + "\n\n";
 }
 
+bool are_the_same(const std::vector<double>& a, const std::vector<double>& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](double x, double y) { return x == y || (std::isnan(x) && std::isnan(y)); });
+}
+
 /// Lines for what was computed, points for what was measured; both in the same colour if they belong together. What several
 /// curves are held against is drawn once, in grey.
 bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& panel,
@@ -67,7 +72,8 @@ bool draw_panel(const fs::path& folder, const FigureSpec& figure, const Panel& p
     if (curves[i].measured.x.empty()) continue;
     const auto has_the_same = [&](const DrawnCurve& other) {
       return figure.curves[other.curve].measured_label == spec.measured_label &&
-             other.measured.x == curves[i].measured.x && other.measured.y == curves[i].measured.y;
+             are_the_same(other.measured.x, curves[i].measured.x) &&
+             are_the_same(other.measured.y, curves[i].measured.y);
     };
     const auto first = curves.begin() + std::ptrdiff_t(i);
     if (std::any_of(curves.begin(), first, has_the_same)) continue;
