@@ -244,6 +244,11 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
     warnings.push_back(fmt::format(
         "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
         100 * (l.numerical + l.averaging) / energy));
+  if (energy > 0 && l.numerical + l.averaging < -most_missed * energy)
+    warnings.push_back(fmt::format(
+        "The method won {:.1f} % of the energy turned over: velocity that the grid cannot hold feeds on itself. "
+        "Use transfer = \"affine_tau\" or a smoother `shape`.",
+        -100 * (l.numerical + l.averaging) / energy));
   if (l.n_unconverged > 0)
     warnings.push_back(
         fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",

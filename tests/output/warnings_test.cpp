@@ -1,0 +1,37 @@
+/// What the last lines of a run warn of.
+
+#include <gtest/gtest.h>
+
+#include "talus/output/report.hpp"
+
+namespace talus {
+namespace {
+
+std::vector<std::string> warnings(double numerical, double averaging, double kinetic = 0) {
+  RunSummary run;
+  run.ledger.turnover = 1;
+  run.ledger.numerical = numerical;
+  run.ledger.averaging = averaging;
+  run.ledger.plastic = 1;
+  run.ledger.kinetic = kinetic;
+  run.ledger.initial = run.ledger.numerical + run.ledger.averaging + run.ledger.plastic + run.ledger.kinetic;
+  return warnings_of(Case(), run);
+}
+bool one_begins(const std::vector<std::string>& all, const std::string& with) {
+  return all.size() == 1 && all[0].starts_with(with);
+}
+
+TEST(Warnings, NothingIsSaidOfARunThatLosesALittle) { EXPECT_TRUE(warnings(0.1, 0.1).empty()); }
+
+TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
+  EXPECT_TRUE(one_begins(warnings(0.2, 0.1), "Numerical dissipation took 30 %"));
+  EXPECT_TRUE(one_begins(warnings(-0.05, 0.02), "The method won 3.0 %"));
+  EXPECT_TRUE(warnings(-0.009, 0).empty());
+}
+
+TEST(Warnings, AMaterialThatStillMovesIsTold) {
+  EXPECT_TRUE(one_begins(warnings(0, 0, 0.02), "The material still moves at the end"));
+}
+
+}  // namespace
+}  // namespace talus
