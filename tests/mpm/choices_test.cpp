@@ -198,8 +198,7 @@ TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
       if (is_refused(shape, transfer)) continue;
       Case what = column_at_rest(2, WallKind::slip);
       what.walls[1] = WallKind::open;
-      what.walls[2] = Wall{WallKind::friction, 0.4};
-      what.walls[2].separates = true;
+      what.walls[2] = Wall(WallKind::friction, 0.4, true);
       what.domain.max[0] = 1.6;
       what.n_cells[0] = 32;
       what.bodies[0].spacing = 0.025;

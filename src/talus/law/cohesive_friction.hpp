@@ -69,14 +69,18 @@ struct CohesiveFriction : Elasticity {
     const R q_before = R(1.5) * double_dot(s_before, s_trial) / max(q_trial, R(1e-300));
     const R dilating = select(carries, R(0.5) * (p_before + p) * R(M_psi), zero) * dkappa;
     const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
-    const R compressing = R(0.5 / K) * (p * p - p_before * p_before);
-    const R work = compressing + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;
+    const R work = elastic_work(p_before, p) + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;
     const R volume_ratio = state.volume_ratio * exp(trace(strain));
     const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};
     return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, plastic_work, zero};
   }
 
+  /// What pressing from one pressure to another takes [J/m3].
+  template <Number R>
+  TALUS_HD R elastic_work(R from, R to) const {
+    return R(0.5 / bulk_modulus()) * (to * to - from * from);
+  }
   /// Stress that follows the logarithmic strain stores its energy in the present volume; what it stored before the volume
   /// changed is not all there, a share of the order of the elastic strain. Of a unit of present volume [J/m3].
   template <Number R>

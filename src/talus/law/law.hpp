@@ -53,7 +53,7 @@ enum class Outcome {
 };
 inline constexpr const char* outcome_names[] = {"elastic", "plastic", "zero_pressure", "separated", "unconverged"};
 
-/// What the solver needs to know of an update besides the new state.
+/// What the solver needs to know of an update besides the new state. Works are those of a unit of volume after it.
 template <class R = double>
 struct Response {
   R outcome;           ///< an `Outcome`, as a number so that packs can hold it

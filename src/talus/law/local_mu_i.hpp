@@ -73,11 +73,9 @@ struct LocalMuI : CohesiveFriction {
     const R tau = select(carries, select(yields, returned(tau_trial, p, motion.dt), tau_trial), zero);
     const R shear = (tau_trial - tau) * R(1 / shear_modulus());
     // Shear works at the mean of the stresses at both ends, pressure as it follows compression.
-    const R p_before = pressure(state.stress);
     const SymTensor<R> s_before = deviator(state.stress), s = tau / max(tau_trial, R(1e-300)) * s_trial;
     const R tau_before = R(0.5) * double_dot(s_before, s_trial) / max(tau_trial, R(1e-300));
-    const R work =
-        R(0.5 / bulk_modulus()) * (p * p - p_before * p_before) + R(0.5) * double_dot(s_before + s, motion.strain);
+    const R work = elastic_work(pressure(state.stress), p) + R(0.5) * double_dot(s_before + s, motion.strain);
     const R volume_ratio = state.volume_ratio * exp(trace(motion.strain));
     const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w, state.kappa + R(1 / std::numbers::sqrt3) * shear, volume_ratio};

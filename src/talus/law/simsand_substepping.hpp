@@ -242,6 +242,7 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
       done = done + step >= 1 - 1e-14 ? 1 : done + step;
     }
   }
+  // All that is not stored: heat of the flow, of what drift was corrected, and what elasticity in rate form loses.
   response.plastic_work = response.work - (law.elastic_energy(state) - stored * exp(whole.D_v));
   const double p = pressure(state.stress);
   response.stiffness =

@@ -25,7 +25,7 @@ struct Ledger {
   double kinetic = 0;
   double potential = 0;
   double elastic = 0;      ///< stored in the material, as its state says
-  double plastic = 0;      ///< work that laws have not stored since the start: heat of friction, and what Response says
+  double plastic = 0;      ///< work that laws have not stored since the start: heat of friction (see Response)
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
   /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
