@@ -99,9 +99,6 @@ TEST_F(FilesOfACase, FaultsInListedPointsAreToldWithFileAndLine) {
   expect(with_body(spaced), "lies outside the domain along y");
   write("p.csv", "x,y\n1,2\n");
   expect(with_body(spaced + "\nlattice = \"cells\""), "has no meaning for listed points");
-  std::string k0 = with_body(spaced);
-  k0.replace(k0.find("\"zero\""), 6, "\"k0\"");
-  expect(k0, "must be `zero` for listed points");
 }
 
 TEST_F(FilesOfACase, ScatteredParticlesStandAtRandomNearTheirPlacesInTheBodyAndHaveItsVolume) {

@@ -32,11 +32,28 @@ TEST(Geometry, PointsOnTheBoundaryBelong) {
   EXPECT_FALSE(contains(slope, {2.5, 2.5, 1}, 3));
 }
 
-TEST(Geometry, DepthIsMeasuredStraightUpToTheSurface) {
-  EXPECT_DOUBLE_EQ(depth_below_surface(Box{{0, 0, 0}, {1, 2, 0}}, {0.3, 0.5, 0}, 2), 1.5);
-  EXPECT_NEAR(depth_below_surface(slope, {2.5, 0.5, 0}, 2), 1.5, 1e-15);
-  EXPECT_NEAR(depth_below_surface(slope, {0.5, 0.5, 0}, 2), 2.5, 1e-15);
-  EXPECT_NEAR(depth_below_surface(Cylinder{{0, 0, 0}, 1, 0}, {0.6, 0, 0}, 2), 0.8, 1e-15);
+TEST(Geometry, AShapeHasSoMuchOfTheLineStraightUp) {
+  EXPECT_DOUBLE_EQ(length_above(Box{{0, 0, 0}, {1, 2, 0}}, {0.3, 0.5, 0}, 2), 1.5);
+  EXPECT_NEAR(length_above(slope, {2.5, 0.5, 0}, 2), 1.5, 1e-15);
+  EXPECT_NEAR(length_above(slope, {0.5, 0.5, 0}, 2), 2.5, 1e-15);
+  EXPECT_NEAR(length_above(Cylinder{{0, 0, 0}, 1, 0}, {0.6, 0, 0}, 2), 0.8, 1e-15);
+  // from below and from beside
+  EXPECT_DOUBLE_EQ(length_above(Box{{0, 0, 0}, {1, 2, 3}}, {0.3, 0.5, -1}, 3), 3);
+  EXPECT_DOUBLE_EQ(length_above(Box{{0, 0, 0}, {1, 2, 3}}, {0.3, 2.1, -1}, 3), 0);
+  EXPECT_DOUBLE_EQ(length_above(Box{{0, 0, 0}, {1, 2, 3}}, {0.3, 0.5, 4}, 3), 0);
+  EXPECT_NEAR(length_above(Cylinder{{0, 0, 0}, 1, 0}, {0.6, -3, 0}, 2), 1.6, 1e-15);
+  EXPECT_DOUBLE_EQ(length_above(Cylinder{{0, 0, 0}, 1, 4}, {0.6, 0.7, -1}, 3), 4);
+  EXPECT_DOUBLE_EQ(length_above(Cylinder{{0, 0, 0}, 1, 4}, {0.8, 0.7, -1}, 3), 0);
+  EXPECT_NEAR(length_above(slope, {2.5, 1, -1}, 3), 2, 1e-15);
+  EXPECT_DOUBLE_EQ(length_above(slope, {2.5, 3, -1}, 3), 0) << "beside the prism";
+  // on its upright edges, and over a corner
+  EXPECT_DOUBLE_EQ(length_above(slope, {0, 0, 0}, 2), 3);
+  EXPECT_DOUBLE_EQ(length_above(slope, {4, 0, 0}, 2), 1);
+  EXPECT_DOUBLE_EQ(length_above(slope, {1, 0, 0}, 2), 3);
+  // under a roof 1 thick, over a gap of 1
+  const Polygon bracket{{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {2, 2}, {2, 3}, {0, 3}}, 0, 0};
+  EXPECT_DOUBLE_EQ(length_above(bracket, {1.5, 0.25, 0}, 2), 0.75 + 1);
+  EXPECT_DOUBLE_EQ(length_above(bracket, {0.5, 0.25, 0}, 2), 2.75);
 }
 
 TEST(Geometry, VolumesPerRadianAreAreasTimesTheRadiusOfTheirCentroid) {
@@ -101,8 +118,8 @@ TEST(Geometry, APictureIsItsDarkPixels) {
   const Box box = bounding_box(r, 2);
   EXPECT_EQ(box.min, (Vec<3>{10, 20, 0}));
   EXPECT_EQ(box.max, (Vec<3>{11, 21, 0}));
-  EXPECT_NEAR(depth_below_surface(r, {10.7, 20.1, 0}, 2), 0.9, 1e-14);
-  EXPECT_NEAR(depth_below_surface(r, {10.2, 20.1, 0}, 2), 0.4, 1e-14);
+  EXPECT_NEAR(length_above(r, {10.7, 20.1, 0}, 2), 0.9, 1e-14);
+  EXPECT_NEAR(length_above(r, {10.2, 20.1, 0}, 2), 0.4, 1e-14);
   EXPECT_DOUBLE_EQ(volume(r, 2, {{10.75, 0, 0}, {100, 100, 0}}), 2 * 0.125);
 }
 

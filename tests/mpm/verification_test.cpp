@@ -119,5 +119,42 @@ TEST(Verification, AtTheFootOfAnElasticColumnTheStressIsCloserToItsWeightThanInT
   }
 }
 
+TEST(Verification, LayersOfDifferentGroundStayAtRestOneOnTheOther) {
+  // 0.1 m of 1800 kg/m3 under 0.05 m of 1200 kg/m3, whose points are listed, between smooth walls.
+  const double g = 9.81, h = 0.01, spacing = h / 2, top_weight = 1200 * g * 0.05;
+  Case what = plane_strain(LinearElastic{1e6, 0.3}, 1800, {{0, 0, 0}, {0.04, 0.2, 0}}, h,
+                           Box{{0, 0, 0}, {0.04, 0.1, 0}}, spacing);
+  what.gravity = {0, -g, 0};
+  what.walls = {WallKind::slip, WallKind::slip, WallKind::slip, WallKind::open, WallKind::open, WallKind::open};
+  what.numerics = {};
+  what.numerics.tau = 0.01;
+  what.materials.push_back({"upper", LinearElastic{1e6, 0.3}, 1200});
+  BodySpec upper = what.bodies[0];
+  PointList points;
+  for (double y = 0.1 + spacing / 2; y < 0.15; y += spacing)
+    for (double x = spacing / 2; x < 0.04; x += spacing) {
+      points.places.push_back({x, y, 0});
+      points.volumes.push_back(spacing * spacing);
+    }
+  upper.region = points;
+  upper.spacing = 0;
+  upper.material = 1;
+  what.bodies.push_back(upper);
+  for (BodySpec& body : what.bodies) body.initial_stress = InitialStress::k0;
+  const auto loop = make_serial();
+  const auto s = make_simulation(what, *loop);
+  const auto start = s->places().places;
+  while (s->ledger().time < 0.05) s->step();
+  // From stress zero the layers would sink by rho g H^2/(2 M), some 80 um, and swing.
+  const auto places = s->places().places;
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(places[i][1], start[i][1], 2e-6);
+  const auto seen = s->observe();
+  const auto &x = seen.find("position")->values, &stress = seen.find("stress")->values;
+  for (int p = 0; p < seen.n_particles(); ++p) {
+    const double y = x[3 * p + 1], load = y > 0.1 ? 1200 * g * (0.15 - y) : top_weight + 1800 * g * (0.1 - y);
+    EXPECT_NEAR(-stress[6 * p + 1], load, 0.03 * 1800 * g * 0.1) << y;
+  }
+}
+
 }  // namespace
 }  // namespace talus

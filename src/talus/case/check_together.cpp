@@ -97,6 +97,7 @@ void check_together(Section& root, const Case& what) {
   std::vector<std::vector<Vec<3>>> particles(what.bodies.size());
   std::vector<Box> boxes;
   std::vector<std::pair<std::string, Section>> sections = root.named_sections("body", "");
+  const Overburden overburden(what);
   // The fastest signal at the start [m/s], as in mpm/time_step.hpp.
   double signal = 0;
   for (std::size_t b = 0; b < what.bodies.size(); ++b) {
@@ -108,14 +109,18 @@ void check_together(Section& root, const Case& what) {
       s.complain("spacing", fmt::format("makes a lattice of {:.3g} places around the body; at most {:.0e} are possible",
                                         places, most_places));
     if (!(places <= most_filled)) continue;
-    particles[b] = fill(what, body).points;
-    if (particles[b].empty()) s.complain("holds no particles: its `spacing` is larger than the body");
-    double depth = 0;
-    for (const Vec<3>& x : particles[b]) depth = std::max(depth, depth_below_surface(body.region, x, what.dim));
-    const auto speed = wave_speed_at_rest(what, body, depth);
+    Filling filling = fill(what, body);
+    if (filling.points.empty()) s.complain("holds no particles: its `spacing` is larger than the body");
+    Load most;
+    for (std::size_t i = 0; i < filling.points.size(); ++i) {
+      const Load load = overburden.on(filling.points[i], width_at_start(body, filling.volumes[i], what.dim));
+      if (load.stress > most.stress) most = load;
+    }
+    particles[b] = std::move(filling.points);
+    const auto speed = wave_speed_at_rest(what, body, most.stress);
     if (const auto* why = std::get_if<std::string>(&speed))
       s.complain("initial_stress",
-                 fmt::format("cannot be carried {} below the surface: {}", with_unit(depth, "m"), *why));
+                 fmt::format("cannot be carried {} below the surface: {}", with_unit(most.depth, "m"), *why));
     else
       signal = std::max(signal, std::get<double>(speed) + 1.3 * fastest_at_start(body, boxes[b]));
   }

@@ -87,4 +87,8 @@ Filling fill(const Case& what, const BodySpec& body) {
   return filling;
 }
 
+double width_at_start(const BodySpec& body, double volume, int dim) {
+  return body.spacing > 0 ? body.spacing : std::pow(volume, 1.0 / dim);
+}
+
 }  // namespace talus

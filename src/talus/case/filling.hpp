@@ -22,4 +22,7 @@ double lattice_places(const Case& what, const BodySpec& body);
 /// planes of symmetry. A point on such a plane is half a particle here and half one behind it.
 Filling fill(const Case& what, const BodySpec& body);
 
+/// How wide a particle of a body is at the start [m], which a point of a list tells by its volume.
+double width_at_start(const BodySpec& body, double volume, int dim);
+
 }  // namespace talus

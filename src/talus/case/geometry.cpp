@@ -23,6 +23,24 @@ bool on_edge(const Vec<2>& a, const Vec<2>& b, const Vec<2>& x) {
          x[1] >= std::min(a[1], b[1]) - 1e-12 * length && x[1] <= std::max(a[1], b[1]) + 1e-12 * length;
 }
 
+/// What a polygon has of an upright line, just right of x (side = 1) or left of it (-1); `of_span` measures the line from
+/// one height to another.
+template <class OfSpan>
+double length_beside(const Polygon& polygon, double x, int side, OfSpan of_span) {
+  std::vector<double> heights;  // where edges cross the line: into the polygon and out of it in turn
+  const auto& c = polygon.corners;
+  for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) {
+    const Vec<2>&a = c[j], &b = c[i];
+    const double left = std::min(a[0], b[0]), right = std::max(a[0], b[0]);
+    if (side > 0 ? left <= x && x < right : left < x && x <= right)
+      heights.push_back(a[1] + (b[1] - a[1]) * (x - a[0]) / (b[0] - a[0]));
+  }
+  std::sort(heights.begin(), heights.end());
+  double length = 0;
+  for (std::size_t i = 1; i < heights.size(); i += 2) length += of_span(heights[i - 1], heights[i]);
+  return length;
+}
+
 bool contains_in_plane(const Polygon& polygon, const Vec<2>& x) {
   const auto& c = polygon.corners;
   bool inside = false;
@@ -247,34 +265,42 @@ double volume_per_radian(const Region& region) {
                     region);
 }
 
-double depth_below_surface(const Region& region, const Vec<3>& x, int dim) {
-  return std::visit(Overloaded{[&](const Box& b) { return b.max[dim - 1] - x[dim - 1]; },
-                               [&](const Cylinder& c) {
-                                 if (dim == 3) return c.centre[2] + c.height - x[2];
-                                 const double dx = x[0] - c.centre[0];
-                                 return c.centre[1] + std::sqrt(std::max(0.0, c.radius * c.radius - dx * dx)) - x[1];
-                               },
-                               [&](const Polygon& p) {
-                                 const Vec<2> at = in_plane(x, dim);
-                                 double top = at[1];
-                                 for (std::size_t i = 0, j = p.corners.size() - 1; i < p.corners.size(); j = i++) {
-                                   const Vec<2>&a = p.corners[j], &b = p.corners[i];
-                                   if (at[0] < std::min(a[0], b[0]) || at[0] > std::max(a[0], b[0])) continue;
-                                   if (a[0] == b[0])
-                                     top = std::max({top, a[1], b[1]});
-                                   else
-                                     top = std::max(top, a[1] + (b[1] - a[1]) * (at[0] - a[0]) / (b[0] - a[0]));
-                                 }
-                                 return top - at[1];
-                               },
-                               [&](const Raster& r) {
-                                 const int column = pixel_at((x[0] - r.min[0]) / r.pixel, r.width);
-                                 int row = 0;
-                                 while (row < r.height && !r.is_filled(column, row)) ++row;
-                                 return std::max(0.0, r.min[1] + (r.height - row) * r.pixel - x[1]);
-                               },
-                               [&](const PointList&) { return 0.0; }},
-                    region);
+double length_above(const Region& region, const Vec<3>& x, int dim) {
+  const double from = x[dim - 1];
+  const auto of_span = [from](double bottom, double top) { return std::max(0.0, top - std::max(bottom, from)); };
+  return std::visit(
+      Overloaded{
+          [&](const Box& b) {
+            for (int a = 0; a < dim - 1; ++a)
+              if (x[a] < b.min[a] || x[a] > b.max[a]) return 0.0;
+            return of_span(b.min[dim - 1], b.max[dim - 1]);
+          },
+          [&](const Cylinder& c) {
+            if (!contains(region, dim == 3 ? Vec<3>{x[0], x[1], c.centre[2]} : Vec<3>{x[0], c.centre[1], 0}, dim))
+              return 0.0;
+            if (dim == 3) return of_span(c.centre[2], c.centre[2] + c.height);
+            const double dx = x[0] - c.centre[0];
+            const double half = std::sqrt(std::max(0.0, c.radius * c.radius - dx * dx));
+            return of_span(c.centre[1] - half, c.centre[1] + half);
+          },
+          [&](const Polygon& p) {
+            if (dim == 3 && (x[1] < p.from || x[1] > p.to)) return 0.0;
+            // Just right and just left of the line, so that a line along an upright edge has the shape beside it.
+            return std::max(length_beside(p, x[0], +1, of_span), length_beside(p, x[0], -1, of_span));
+          },
+          [&](const Raster& r) {
+            const int column = pixel_at((x[0] - r.min[0]) / r.pixel, r.width);
+            const auto height = [&](int row) { return r.min[1] + (r.height - row) * r.pixel; };
+            double length = 0;
+            for (int row = 0; row < r.height; ++row) {
+              const int top = row;
+              while (r.is_filled(column, row)) ++row;
+              if (row > top) length += of_span(height(row), height(top));
+            }
+            return length;
+          },
+          [&](const PointList&) { return 0.0; }},
+      region);
 }
 
 std::string fault(const Region& region, int dim) {

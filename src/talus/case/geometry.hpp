@@ -64,9 +64,9 @@ double volume(const Region& region, int dim, const Box& box);
 /// centroid (Pappus).
 double volume_per_radian(const Region& region);
 
-/// Height of the shape's surface straight above a point inside [m]: the length of the vertical line from the point to
-/// where it leaves the shape for good.
-double depth_below_surface(const Region& region, const Vec<3>& x, int dim);
+/// How much of the vertical line from a point upwards lies in a shape [m]; a line along its boundary does. Listed points
+/// have no shape: zero.
+double length_above(const Region& region, const Vec<3>& x, int dim);
 
 /// Why a shape is none, or nothing.
 std::string fault(const Region& region, int dim);

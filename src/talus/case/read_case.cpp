@@ -340,7 +340,7 @@ Region read_points(Section& s, const Case& what, const std::string& folder, std:
 double largest_particle(const BodySpec& body, int dim) {
   double largest = body.spacing;
   if (const auto* list = std::get_if<PointList>(&body.region))
-    for (double v : list->volumes) largest = std::max(largest, std::pow(v, 1.0 / dim));
+    for (double v : list->volumes) largest = std::max(largest, width_at_start(body, v, dim));
   return largest;
 }
 
@@ -440,8 +440,6 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
                    fmt::format("turns the body through the plane of symmetry across {}", axis_names[a]));
     }
     if (body.initial_stress == InitialStress::k0) {
-      if (std::holds_alternative<PointList>(body.region))
-        s.complain("initial_stress", "must be `zero` for listed points: they have no surface to measure depth from");
       for (int a = 0; a < what.dim - 1; ++a)
         if (what.gravity[a] != 0) {
           s.complain("initial_stress",

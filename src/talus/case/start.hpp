@@ -1,8 +1,12 @@
 #pragma once
 /// What a body is like before the first step.
 
+#include <array>
+#include <cmath>
+#include <map>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "talus/case/case.hpp"
 
@@ -11,11 +15,48 @@ namespace talus {
 /// Bulk density of a body at the start [kg/m3].
 double bulk_density(const Material& material, const BodySpec& body);
 
-/// What a particle starts from at a depth below the surface of its body [m].
-InitialState initial_state(const Case& what, const BodySpec& body, double depth);
+/// The ground that lies straight above a place and rests on it.
+struct Load {
+  double stress = 0;  ///< its weight per area, pressure positive [Pa]
+  double depth = 0;   ///< its thickness [m]
+};
+
+/// What bodies that start at rest under their own weight, `k0`, bear down with. All of them that lie above a place count,
+/// whatever is between.
+class Overburden {
+ public:
+  explicit Overburden(const Case& what);  // which must stay where it is
+
+  /// On a particle so wide [m]. Of bodies with a shape what the vertical line through it has of them, of listed points,
+  /// which are cubes, the mean over its width.
+  Load on(const Vec<3>& x, double width) const;
+
+ private:
+  /// Listed points by columns of the ground, as wide as the widest of them.
+  struct Columns {
+    double width = 0;  ///< [m]
+    std::map<std::array<int, 2>, std::vector<std::size_t>> points;
+    std::array<int, 2> column_of(double x, double y) const {
+      return {int(std::floor(x / width)), int(std::floor(y / width))};
+    }
+  };
+  struct Layer {
+    const Region* region;
+    double weight;  ///< per volume [N/m3]
+    Columns columns;
+  };
+  double across(const Vec<3>& x) const { return dim_ == 3 ? x[1] : 0; }
+  double thickness(const PointList& list, const Columns& columns, const Vec<3>& x, double width) const;
+
+  int dim_;
+  std::vector<Layer> layers_;
+};
+
+/// What a particle starts from under a load [Pa].
+InitialState initial_state(const Case& what, const BodySpec& body, double load);
 
 /// Speed of compression waves there [m/s]; or why nothing can rest there.
-std::variant<double, std::string> wave_speed_at_rest(const Case& what, const BodySpec& body, double depth);
+std::variant<double, std::string> wave_speed_at_rest(const Case& what, const BodySpec& body, double load);
 
 /// Why a law has no state of this void ratio, although it lies in its range; empty if it has one.
 std::string fault_of_void_ratio(const AnyLaw& law, double void_ratio);

@@ -13,7 +13,7 @@ namespace talus {
 namespace {
 
 template <int Dim>
-Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
+Body<Dim> make_body(const Case& what, const BodySpec& spec, const Overburden& overburden, long first_id) {
   const Material& material = what.materials[spec.material];
   const auto [points, volumes] = fill(what, spec);
   if (points.empty())
@@ -39,7 +39,8 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, long first_id) {
         middle = (1 / whole) * middle;
         for (int i = 0; i < n; ++i) {
           const Vec<3> velocity = spec.velocity + cross(spec.angular_velocity, points[i] - middle);
-          const auto state = law.at_rest(initial_state(what, spec, depth_below_surface(spec.region, points[i], Dim)));
+          const auto state = law.at_rest(
+              initial_state(what, spec, overburden.on(points[i], width_at_start(spec, volumes[i], Dim)).stress));
           if (const auto* reason = std::get_if<std::string>(&state))
             throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
           const auto& at_rest = std::get<typename Law::template State<double>>(state);
@@ -73,9 +74,10 @@ std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
   }
   domain.solids = what.solids;
   std::vector<Body<Dim>> bodies;
+  const Overburden overburden(what);
   long n = 0;
   for (const BodySpec& spec : what.bodies) {
-    bodies.push_back(make_body<Dim>(what, spec, n));
+    bodies.push_back(make_body<Dim>(what, spec, overburden, n));
     n += bodies.back().particles.size();
   }
   const auto with = [&]<class Shape>(std::vector<Shape> shapes) {
