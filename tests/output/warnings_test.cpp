@@ -29,6 +29,25 @@ TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
   EXPECT_TRUE(warnings(-0.009, 0).empty());
 }
 
+TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
+  // 2 kg on cells of 0.1 m: a hundredth of a cell is worth 2 x 9.81 x 0.001 = 0.01962 J.
+  Case what;
+  what.cell = 0.1;
+  what.gravity = {0, -9.81, 0};
+  RunSummary run;
+  run.ledger.mass = 2;
+  run.ledger.plastic = 1e-6;
+  const auto said = [&](double turnover) {
+    run.ledger.turnover = turnover;
+    run.ledger.numerical = -0.5 * turnover;
+    run.ledger.kinetic = 0.02 * turnover;
+    run.ledger.initial = turnover;
+    return warnings_of(what, run).size();
+  };
+  EXPECT_EQ(said(0.0196), 0u);
+  EXPECT_EQ(said(0.0197), 3u) << "the ledger does not close, the method wins, and it still moves";
+}
+
 TEST(Warnings, AMaterialThatStillMovesIsTold) {
   EXPECT_TRUE(one_begins(warnings(0, 0, 0.02), "The material still moves at the end"));
 }

@@ -35,8 +35,9 @@ struct Ledger {
   /// Work that the material has done on moving solids since the start; negative where they pushed it. Walls at rest do
   /// none.
   double wall_work = 0;
-  Vec<3> wall_impulse{};  ///< what walls and solids have given to the material since the start [N s]
-  double initial = 0;     ///< kinetic, potential and elastic energy at the start
+  Vec<3> wall_impulse{};       ///< what walls and solids have given to the material since the start [N s]
+  double initial = 0;          ///< kinetic, potential and elastic energy at the start
+  double initial_elastic = 0;  ///< the elastic part of it
   /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, or moving solids
   /// ever given or taken: what losses and errors are measured by.
   double turnover = 0;

@@ -48,6 +48,7 @@ class Stepper final : public Simulation {
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
     for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
+    ledger_.initial_elastic = ledger_.elastic;
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
     for (const auto& body : bodies_)
       if (const auto contact = contact_stiffening(body)) contacts_.push_back(*contact);
@@ -78,9 +79,8 @@ class Stepper final : public Simulation {
       update_stresses(dt, alpha);
       move_particles(dt, alpha);
     }
-    ledger_.turnover =
-        std::max({ledger_.turnover, ledger_.kinetic, std::abs(ledger_.initial - ledger_.kinetic - ledger_.potential),
-                  std::abs(ledger_.wall_work)});
+    const double released = ledger_.initial - ledger_.initial_elastic - ledger_.kinetic - ledger_.potential;
+    ledger_.turnover = std::max({ledger_.turnover, ledger_.kinetic, std::abs(released), std::abs(ledger_.wall_work)});
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     unfiltered_ += dt;
