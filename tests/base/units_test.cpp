@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numbers>
+#include <tuple>
 
 namespace talus {
 namespace {
@@ -54,6 +55,14 @@ TEST(Units, RubbishIsRefused) {
   for (const char* text :
        {"", " ", "mm", "two mm", "3 4 mm", "nan m", "inf m", "1e999 m", "0x10 m", "2 mm mm", "--2 mm", "2,5 mm"})
     refusal(text, "m");
+}
+
+TEST(Units, OfLengthsFitTheSizeOfWhatIsMeasured) {
+  for (const auto& [size, name, length] : std::initializer_list<std::tuple<double, const char*, double>>{
+           {0.48, "mm", 1e-3}, {1.9, "mm", 1e-3}, {2, "m", 1}, {4900, "m", 1}, {5000, "km", 1e3}}) {
+    EXPECT_EQ(length_unit_for(size).name, name) << size;
+    EXPECT_EQ(length_unit_for(size).length, length) << size;
+  }
 }
 
 TEST(Units, AreWrittenBackReadably) {

@@ -51,7 +51,8 @@ TEST(Start, GroundCarriesAllGroundThatRestsOnIt) {
   EXPECT_DOUBLE_EQ(Overburden(what).on({0.5, 0.5, 0}, 0.5).stress, 1000 * g * 1.5) << "beside the upper one";
   EXPECT_DOUBLE_EQ(Overburden(what).on({2, 4, 0}, 0.5).stress, 2000 * g) << "in the upper one";
   what.bodies[1].initial_stress = InitialStress::zero;
-  EXPECT_DOUBLE_EQ(Overburden(what).on({2, 0.5, 0}, 0.5).stress, 1000 * g * 1.5) << "what has no stress bears on nothing";
+  EXPECT_DOUBLE_EQ(Overburden(what).on({2, 0.5, 0}, 0.5).stress, 1000 * g * 1.5)
+      << "what has no stress bears on nothing";
 }
 
 TEST(Start, AtRestTheVerticalStressIsTheLoadAndTheHorizontalOneThatOfGroundThatNeverMovedSideways) {

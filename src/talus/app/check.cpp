@@ -84,7 +84,7 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
     times.end = one + std::max(0.0, two - one) * double(n - 1);
   }
   const Clock of_charts;
-  for (const Chart& chart : charts_of(history))
+  for (const Chart& chart : charts_of(history, length_unit_for(extent(what))))
     if (!draw_chart(folder / "pictures", folder / "history.csv", chart)) break;
   times.end += of_charts.seconds();
   fs::remove_all(folder);

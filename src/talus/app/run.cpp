@@ -176,9 +176,10 @@ int run_case(const RunOptions& options) {
     return exit_signal + signal;
   }
   const std::vector<Picture> drawn = pictures.draw();
+  const std::vector<Chart> charts = charts_of(history, length_unit_for(extent(what)));
   if (!drawn.empty())
-    for (const Chart& chart : charts_of(history)) draw_chart(folder / "pictures", folder / "history.csv", chart);
-  write_report(folder, what, run, drawn, charts_of(history));
+    for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
+  write_report(folder, what, run, drawn, charts);
   fmt::print(stderr, "{}\n", in_words(run.tally));
   for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
   if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");

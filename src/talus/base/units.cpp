@@ -121,6 +121,10 @@ std::string with_unit(double value, std::string_view unit) {
   return fmt::format("{:.10g} {}", value, unit);
 }
 
+LengthUnit length_unit_for(double size) {
+  return size < 2 ? LengthUnit{"mm", 1e-3} : size < 5e3 ? LengthUnit{"m", 1} : LengthUnit{"km", 1e3};
+}
+
 std::string example_of(std::string_view unit) {
   for (const Measure& m : measures)
     if (m.unit == unit) return fmt::format("\"{}\"", m.example);

@@ -1,6 +1,7 @@
 #pragma once
 /// What the user asks for: a run, as plain data in SI units.
 
+#include <algorithm>
 #include <array>
 #include <limits>
 #include <optional>
@@ -154,5 +155,12 @@ struct Case {
   double end = 0;  ///< [s]
   OutputSpec output;
 };
+
+/// The longest side of the domain [m].
+inline double extent(const Case& what) {
+  double most = 0;
+  for (int a = 0; a < what.dim; ++a) most = std::max(most, what.domain.max[a] - what.domain.min[a]);
+  return most;
+}
 
 }  // namespace talus

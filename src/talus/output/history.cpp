@@ -128,20 +128,21 @@ void SurfaceTable::add(double time, const Surface& surface) {
   GrowingTable::add(rows);
 }
 
-std::vector<Chart> charts_of(const History& history) {
+std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
   const auto column = [&](const char* name) { return history.column(name) + 1; };
   const std::string time = "time [s]";
   return {
-      {"front", "How far the deposit reaches", time, "position of the fronts [mm]", 1, 1e3, 1,
+      {"front", "How far the deposit reaches", time, fmt::format("position of the fronts [{}]", unit.name), 1,
+       1 / unit.length, 1,
        column("front_radius [m]") > 0
            ? std::vector<Curve>{{column("front_radius [m]"), "radius of the deposit"}}
            : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
       {"height",
        "How high it stands",
        time,
-       "height [mm]",
+       fmt::format("height [{}]", unit.name),
        1,
-       1e3,
+       1 / unit.length,
        1,
        {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}},
       {"energy",

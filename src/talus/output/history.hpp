@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/base/units.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/plot.hpp"
@@ -55,6 +56,6 @@ class SurfaceTable : public GrowingTable {
 };
 
 /// What of a history is drawn: fronts, height, energies, time step, separated particles.
-std::vector<Chart> charts_of(const History& history);
+std::vector<Chart> charts_of(const History& history, const LengthUnit& unit);
 
 }  // namespace talus

@@ -32,6 +32,7 @@ PictureBook::PictureBook(std::filesystem::path folder, const Case& what, std::ve
       dim_(what.dim),
       axisymmetric_(what.axisymmetric),
       cell_(what.cell),
+      unit_(length_unit_for(extent(what))),
       title_(what.title),
       solids_(what.solids),
       times_(std::move(times)) {
@@ -110,12 +111,16 @@ std::vector<Picture> PictureBook::draw() const {
   const int total_w = left + columns * panel_w + (columns - 1) * gap_x + right,
             total_h = top + rows * panel_h + (rows - 1) * gap_y + bottom;
 
+  // Columns of the files in the unit of the axes: x, y and half the size of a particle, drawn a fifth larger.
+  const double per_metre = 1 / unit_.length;
+  const std::string places = fmt::format("($1*{0:g}):($2*{0:g})", per_metre);
+
   std::vector<std::string> surfaces;  // what draws them, panel by panel
   for (int i = 0; i < n; ++i)
-    surfaces.push_back(solids_.empty() ? ""
-                                       : fmt::format(", {} skip 1 using ($1*1e3):($2*1e3) with points pt 7 ps 0.25 lc "
-                                                     "'#333333'",
-                                                     gnuplot_text(write_solids(i, low, high, width / panel_w))));
+    surfaces.push_back(solids_.empty()
+                           ? ""
+                           : fmt::format(", {} skip 1 using {} with points pt 7 ps 0.25 lc '#333333'",
+                                         gnuplot_text(write_solids(i, low, high, width / panel_w)), places));
 
   for (const Shown& s : quantities) {
     if (!values.contains(s.name)) continue;
@@ -138,8 +143,8 @@ std::vector<Picture> PictureBook::draw() const {
                        double(total_h - top - bottom) / total_h)
         << fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
                        gnuplot_text(title_ + ": " + s.title + (dim_ == 3 ? ", slice through the middle" : "")))
-        << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", 1e3 * low[0], 1e3 * high[0],
-                       1e3 * low[1], 1e3 * high[1]);
+        << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", per_metre * low[0],
+                       per_metre * high[0], per_metre * low[1], per_metre * high[1]);
     for (int i = 0; i < n; ++i) {
       const int c = i % columns, r = i / columns;
       const double x0 = left + c * (panel_w + gap_x), y1 = total_h - top - r * (panel_h + gap_y);
@@ -148,12 +153,13 @@ std::vector<Picture> PictureBook::draw() const {
                  "tmargin at screen {:.5f}\n",
                  x0 / total_w, (x0 + panel_w) / total_w, (y1 - panel_h) / total_h, y1 / total_h)
           << fmt::format("set title 't = {:.3f} s' offset 0,-0.7\n", times_[i])
-          << (c == 0 ? fmt::format("set ylabel '{} [mm]' offset 1\n", dim_ == 3 ? "z" : "y") : "unset ylabel\n")
-          << (r == rows - 1 || i + columns >= n ? "set xlabel 'x [mm]' offset 0,0.4\n" : "unset xlabel\n")
+          << (c == 0 ? fmt::format("set ylabel '{} [{}]' offset 1\n", dim_ == 3 ? "z" : "y", unit_.name)
+                     : "unset ylabel\n")
+          << (r == rows - 1 || i + columns >= n ? fmt::format("set xlabel 'x [{}]' offset 0,0.4\n", unit_.name)
+                                                : "unset xlabel\n")
           << (i == 1 ? "unset colorbox\n" : "")
-          << fmt::format(
-                 "plot {} skip 2 using ($1*1e3):($2*1e3):($3*0.6e3):{} with circles fill solid noborder lc palette{}\n",
-                 gnuplot_text(instant(i).filename().string()), column, surfaces[i]);
+          << fmt::format("plot {} skip 2 using {}:($3*{:g}):{} with circles fill solid noborder lc palette{}\n",
+                         gnuplot_text(instant(i).filename().string()), places, 0.6 * per_metre, column, surfaces[i]);
     }
     out << "unset multiplot\n";
     write_whole(script, out.str());

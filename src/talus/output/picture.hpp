@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "talus/base/units.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
@@ -37,6 +38,7 @@ class PictureBook {
   int dim_;
   bool axisymmetric_;
   double cell_;
+  LengthUnit unit_;
   std::string title_;
   double floor_;  ///< lower side of the domain [m]
   double slice_;  ///< place of the slice along y [m]

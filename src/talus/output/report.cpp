@@ -358,11 +358,14 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
   if (const std::string notice = notice_of_symmetry(what); !notice.empty())
     page << "<p>" << escaped(notice) << "</p>\n";
 
-  const auto millimetres = [](double x) { return fmt::format("{:.1f} mm", 1e3 * x); };
+  const LengthUnit unit = length_unit_for(extent(what));
+  const auto length = [&](double x) {
+    return fmt::format("{:.{}f} {}", x / unit.length, unit.length < 1 ? 1 : 3, unit.name);
+  };
   page << "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
   const auto row = [&](const char* name, double a, double b) {
-    page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, millimetres(a),
-                        millimetres(b));
+    page << fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, length(a),
+                        length(b));
   };
   if (!what.axisymmetric) {
     row("left front, x", run.start.front_min[0], run.end.front_min[0]);
