@@ -132,8 +132,8 @@ TEST(ReadCase, WhatDoesNotFitTogetherIsRefused) {
   expect_complaint("spacing = \"0.5 mm\"", "spacing = \"3 mm\"", "larger than the cells");
   expect_complaint("spacing = \"0.5 mm\"", "spacing = \"1 um\"", "particles; at most");
   expect_complaint("mu_d = 0.66", "mu_d = 0.2", "must not be less than mu_s");
-  expect_complaint("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"1 m/s2\", \"-9.81 m/s2\"]",
-                   "k0 needs gravity straight down");
+  expect_complaint("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"5 m/s2\", \"-9.81 m/s2\"]",
+                   "k0\" cannot be carried 49.75 mm below the surface");  // 27 degrees, sand of 20.9
   expect_complaint("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"0 m/s2\", \"9.81 m/s2\"]",
                    "k0 needs gravity, downwards");
   expect_complaint("history = \"1 ms\"", "history = \"1 s\"", "is longer than the run");

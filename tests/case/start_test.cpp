@@ -63,6 +63,21 @@ TEST(Start, AtRestTheVerticalStressIsTheLoadAndTheHorizontalOneThatOfGroundThatN
   EXPECT_DOUBLE_EQ(stress[1], stress[0]);
 }
 
+TEST(Start, WhereGravityLeansShearHoldsALayer) {
+  // Balance along the layer: d sigma_xz/dz + rho g_x = 0, and none on the surface.
+  Case what = bodies(3, {Box{{0, 0, 0}, {9, 9, 2}}});
+  what.gravity = {3, -2, -9};
+  const double depth = 1.5, load = Overburden(what).on({4, 4, 2 - depth}, 0.5).stress;
+  EXPECT_DOUBLE_EQ(load, 1000 * 9 * depth);
+  const SymTensor<double> stress = initial_state(what, what.bodies[0], load).stress;
+  EXPECT_DOUBLE_EQ(stress[5], 1000 * 3 * depth);   // zx
+  EXPECT_DOUBLE_EQ(stress[4], -1000 * 2 * depth);  // yz
+  EXPECT_DOUBLE_EQ(stress[3], 0);
+  Case plane = bodies(2, {Box{{0, 0, 0}, {9, 2, 0}}});
+  plane.gravity = {3, -9, 0};
+  EXPECT_DOUBLE_EQ(initial_state(plane, plane.bodies[0], load).stress[3], 1000 * 3 * depth);
+}
+
 TEST(Start, ListedPointsWeighAsTheBoxThatTheyFill) {
   for (int dim : {2, 3}) {
     const Box low{{0, 0, 0}, {2, dim == 2 ? 1.0 : 2.0, 1}}, high = [&] {

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "cases.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/simulation.hpp"
 
@@ -153,6 +155,31 @@ TEST(Verification, LayersOfDifferentGroundStayAtRestOneOnTheOther) {
   for (int p = 0; p < seen.n_particles(); ++p) {
     const double y = x[3 * p + 1], load = y > 0.1 ? 1200 * g * (0.15 - y) : top_weight + 1800 * g * (0.1 - y);
     EXPECT_NEAR(-stress[6 * p + 1], load, 0.03 * 1800 * g * 0.1) << y;
+  }
+}
+
+TEST(Verification, ALayerOfSandLessSteepThanItsFrictionStaysAtRest) {
+  // 10 degrees; sand of 20.9. It goes g sin b t^2/2 = 8.5 mm in this time where nothing holds it.
+  const double g = 9.81, tilt = 10 * std::numbers::pi / 180, H = 0.5;
+  for (int dim : {2, 3}) {
+    Case what = column_at_rest(dim, WallKind::no_slip);
+    for (int side = 0; side < 2 * (dim - 1); ++side) what.walls[side] = WallKind::periodic;
+    what.gravity = {g * std::sin(tilt), 0, 0};
+    what.gravity[dim - 1] = -g * std::cos(tilt);
+    const auto loop = make_serial();
+    const auto s = make_simulation(what, *loop);
+    const auto start = s->places().places;
+    run_until(*s, 0.1);
+    const auto seen = s->observe();
+    const int shear = dim == 2 ? 3 : 5;
+    for (int p = 0; p < seen.n_particles(); ++p) {
+      const double depth = H - value(seen, "position", p, dim - 1), rho = 2500 / 1.85;
+      // Pressure is averaged over cells.
+      EXPECT_NEAR(value(seen, "stress", p, dim - 1), -rho * g * std::cos(tilt) * depth,
+                  rho * g * (0.5 * what.cell + 0.01 * H));
+      EXPECT_NEAR(value(seen, "stress", p, shear), rho * g * std::sin(tilt) * depth, 0.02 * rho * g * H);
+      for (int a = 0; a < dim; ++a) EXPECT_NEAR(value(seen, "position", p, a), start[p][a], 1e-4 * H);
+    }
   }
 }
 

@@ -440,12 +440,6 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
                    fmt::format("turns the body through the plane of symmetry across {}", axis_names[a]));
     }
     if (body.initial_stress == InitialStress::k0) {
-      for (int a = 0; a < what.dim - 1; ++a)
-        if (what.gravity[a] != 0) {
-          s.complain("initial_stress",
-                     fmt::format("k0 needs gravity straight down, along {}", axis_names[what.dim - 1]));
-          break;
-        }
       if (what.gravity[what.dim - 1] >= 0)
         s.complain("initial_stress", fmt::format("k0 needs gravity, downwards along {}", axis_names[what.dim - 1]));
       if (law && !has_lasting_contacts(*law))

@@ -76,8 +76,13 @@ InitialState initial_state(const Case& what, const BodySpec& body, double load) 
   const double horizontal =
       std::visit([](const auto& law) { return law.earth_pressure_at_rest(); }, what.materials[body.material].law) *
       load;
+  const int up = what.dim - 1;
   initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
-  initial.stress[what.dim - 1] = -load;
+  initial.stress[up] = -load;
+  for (int a = 0; a < up; ++a) {
+    const int shear = what.dim == 2 ? 3 : a == 0 ? 5 : 4;  // xy; zx and yz
+    initial.stress[shear] = load * what.gravity[a] / -what.gravity[up];
+  }
   return initial;
 }
 
