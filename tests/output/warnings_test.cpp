@@ -48,6 +48,20 @@ TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
   EXPECT_EQ(said(0.0197), 3u) << "the ledger does not close, the method wins, and it still moves";
 }
 
+TEST(Warnings, GrainsThatHaveJustBegunToFallAreApartAsTheyShouldBe) {
+  Case what;
+  what.cell = 0.1;
+  what.gravity = {0, -9.81, 0};
+  RunSummary run;
+  run.n_particles = run.ledger.n_separated = 100;
+  run.ledger.mass = 2;
+  run.ledger.turnover = run.ledger.kinetic = run.ledger.initial = 1e-3;
+  EXPECT_TRUE(warnings_of(what, run).empty());
+  run.ledger.kinetic = 0;
+  run.ledger.plastic = 1e-3;
+  EXPECT_TRUE(one_begins(warnings_of(what, run), "100 % of the particles are separated"));
+}
+
 TEST(Warnings, AMaterialThatStillMovesIsTold) {
   EXPECT_TRUE(one_begins(warnings(0, 0, 0.02), "The material still moves at the end"));
 }

@@ -17,11 +17,14 @@ std::string what_is_measured_in(std::string_view unit);
 /// A value in SI, written shortly with its unit; bare for the unit "1".
 std::string with_unit(double value, std::string_view unit);
 
-/// The unit that lengths of a thing of some size [m] are best told in: mm, from 2 m on m, from 5 km on km.
+/// A unit of length.
 struct LengthUnit {
   std::string_view name;
   double length;  ///< [m]
 };
+
+/// The one that lengths of a thing of some size [m] are best told in: mm, from 2 m on m, from 5 km on km, as in
+/// output/report/viewer.js.
 LengthUnit length_unit_for(double size);
 
 /// An example of how to write a quantity with this unit, quoted: "\"2 mm\"".

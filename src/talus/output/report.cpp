@@ -256,11 +256,11 @@ std::vector<std::string> warnings_of(const Case& what, const RunSummary& run) {
     warnings.push_back(
         fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",
                     l.n_unconverged));
-  const bool moves = energy > 0 && l.kinetic > 0.01 * energy;  // and grains that fly are apart, as they should be
+  const bool moves = l.kinetic > 0.01 * l.turnover;  // and grains that fly are apart, as they should be
   if (!moves && l.n_separated > 0.2 * double(run.n_particles))
     warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
                                    100.0 * l.n_separated / double(run.n_particles)));
-  if (l.plastic > 0 && moves)
+  if (energy > 0 && l.plastic > 0 && moves)
     warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
   return warnings;
 }
