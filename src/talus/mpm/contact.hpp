@@ -19,6 +19,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "talus/mpm/boundary.hpp"
@@ -141,11 +143,14 @@ class ContactFinder {
   }
 
  private:
+  /// In cells: what rounding may make of a place, and what is next to one.
+  static constexpr double rounding = 1e-6, nearby = 1e-3;
+
   /// Cells in front of a solid within which a node still is the solid's. So the plane at which material stops lies half a
   /// cell in front of the surface at most and half a cell behind it, as the grid happens to lie; where the surface is a
   /// plane of nodes, it lies there as at a wall. A little less than a half, so that rounding does not decide for surfaces
   /// midway between nodes.
-  static constexpr double margin = 0.5 - 1e-6;
+  static constexpr double margin = 0.5 - rounding;
 
   /// Where a node stands; or, all coordinates moved by the same number of nodes, a place beside the tile's first.
   Vec<3> place_of(const Index<Dim>& node) const {
@@ -159,38 +164,95 @@ class ContactFinder {
     return x;
   }
 
-  /// The solid's normal where one leaves it towards the mass around a node. In a thin solid, at its edges and in its
-  /// middle, the nearest place of the surface may be on a side where there is no material.
+  /// The solid's normal where one leaves it towards the mass around a node. In a thin solid, at its edges, in its middle
+  /// and on its other side, the nearest place of the surface may be where there is no material.
   Vec<3> normal_towards_material(Grid<Dim, Shape>& grid, int t, int node, const Solid& solid, Vec<3> x,
                                  const Pose& pose) const {
     const Index<Dim> own = Layout::unflatten(node, tile_edge);
+    const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
+    const Nearness nearest = near(x);
+    if (nearest.distance < -rounding * domain_.h) {
+      const auto [towards, mass] = mass_around(grid, t, own, 1, [](const Index<Dim>&) { return true; });
+      if (!(std::sqrt(dot(towards, towards)) > 1e-3 * mass)) return nearest.normal;  // as much on either side
+      return way_out(near, x, towards).value_or(nearest).normal;
+    }
+    // On the surface or in front of it. Points behind the solid reach the node through what is thinner than their shapes
+    // are wide, and on an edge there are several normals; then the nodes outside tell where the material is, those of the
+    // solid being touched from all sides.
+    constexpr int reach = 2;
+    const bool on_edge = nearest.distance < rounding * domain_.h && !is_smooth(near, x, nearest.normal);
+    const bool thin = near(x - (reach * domain_.h) * nearest.normal).distance >= 0;
+    if (!on_edge && !thin) return nearest.normal;
+    const Vec<3> towards = mass_around(grid, t, own, reach, [&](const Index<Dim>& offset) {
+                             Vec<3> there = x;
+                             for (int a = 0; a < Dim; ++a) there[a] += domain_.h * offset[a];
+                             return near(there).distance > margin * domain_.h;
+                           }).first;
+    const double length = std::sqrt(dot(towards, towards));
+    if (length == 0) return nearest.normal;
+    if (on_edge)
+      if (const Nearness beside = near(x + (nearby * domain_.h / length) * towards); beside.distance > 0)
+        return beside.normal;
+    if (dot(towards, nearest.normal) >= 0) return nearest.normal;
+    return way_out(near, x, towards).value_or(nearest).normal;
+  }
+
+  /// Whether a surface has no edge at a place on it.
+  template <class Near>
+  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal) const {
+    for (int a = 0; a < Dim; ++a) {
+      Vec<3> along{};
+      along[a] = 1;
+      along = along - normal[a] * normal;
+      for (double sign : {-1.0, 1.0})
+        if (dot(near(x + (sign * nearby * domain_.h) * along).normal, normal) < 0.99) return false;
+    }
+    return true;
+  }
+
+  /// The sum of mass times way, in cells, over the nodes within `reach` cells along each axis that are asked for; and of
+  /// mass.
+  template <class Asked>
+  std::pair<Vec<3>, double> mass_around(Grid<Dim, Shape>& grid, int t, const Index<Dim>& own, int reach,
+                                        Asked asked) const {
     Vec<3> towards{};
     double mass = 0;
-    for (int n = 0; n < Layout::n_neighbours; ++n) {
-      Index<Dim> i = own, tile_offset{};
+    const int edge = 2 * reach + 1;
+    for (int n = 0; n < power(edge, Dim); ++n) {
+      Index<Dim> offset = Layout::unflatten(n, edge), i = own, tile_offset{};
       bool in_domain = true;
       for (int a = 0; a < Dim; ++a) {
-        i[a] += Layout::unflatten(n, 3)[a] - 1;
+        offset[a] -= reach;
+        i[a] += offset[a];
         const int g = i[a] + tile_edge * grid.tile(t).place[a];
         in_domain &= domain_.is_periodic(a) || (g >= 0 && g <= domain_.n_cells[a]);
         tile_offset[a] = i[a] < 0 ? -1 : i[a] >= tile_edge ? 1 : 0;
         i[a] -= tile_edge * tile_offset[a];
       }
       const int other = grid.tile(t).neighbours[Layout::neighbour(tile_offset)];
-      if (other < 0 || !in_domain) continue;
+      if (other < 0 || !in_domain || !asked(offset)) continue;
       const double m = grid.sums(other)[Layout::node(i)][3];
-      for (int a = 0; a < Dim; ++a) towards[a] += m * (Layout::unflatten(n, 3)[a] - 1);
+      for (int a = 0; a < Dim; ++a) towards[a] += m * offset[a];
       mass += m;
     }
-    Nearness here = solid.near(x, pose, Dim);
+    return {towards, mass};
+  }
+
+  /// Where one comes out of a solid when one goes from a place in some direction; nothing if one does not, or does not come
+  /// into it.
+  template <class Near>
+  std::optional<Nearness> way_out(Near near, Vec<3> x, const Vec<3>& towards) const {
     const double length = std::sqrt(dot(towards, towards));
-    if (!(length > 1e-3 * mass)) return here.normal;  // as much on either side
+    Nearness here = near(x);
+    bool inside = here.distance < 0;
     // Steps as long as the surface is far cannot pass it; the last ones go a hundredth of a cell at least.
-    for (int k = 0; k < 100 && here.distance < 0; ++k) {
-      x = x + (std::max(-here.distance, 0.01 * domain_.h) / length) * towards;
-      here = solid.near(x, pose, Dim);
+    for (int k = 0; k < 100; ++k) {
+      x = x + (std::max(std::abs(here.distance), 0.01 * domain_.h) / length) * towards;
+      here = near(x);
+      if (inside && here.distance >= 0) return here;
+      inside |= here.distance < 0;
     }
-    return here.normal;
+    return std::nullopt;
   }
 
   Domain<Dim> domain_;
