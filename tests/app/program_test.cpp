@@ -108,6 +108,31 @@ TEST_F(Program, ARunThatBreaksEndsWithCode3AndLeavesTheLastGoodSnapshot) {
   EXPECT_EQ(nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["outcome"], "failed");
 }
 
+TEST_F(Program, WhatHasFlownOutIsToldAndARunOfWhatIsLeftGoesOn) {
+  // The block's foot has fallen its 0.9 m after 0.43 s, its head 1.1 m after 0.47 s.
+  std::string text = contents(cases + "free_fall.toml");
+  text.replace(text.find("end = \"0.3 s\""), 13, "end = \"0.55 s\"");
+  const std::string file = write("falls_out.toml", text + "[domain.walls]\nz_min = \"outflow\"\n");
+  const Finished run = talus("run " + file + " --out " + in("out"));
+  ASSERT_EQ(run.code, 0) << run.output;
+  EXPECT_TRUE(has(run.output, "100 % of the mass, have left through `outflow` sides")) << run.output;
+  const std::string report = contents(folder_ / "out/report.html");
+  for (const char* part : {"100 % of the mass", "left as kinetic energy of what flowed out", "How much has flowed out"})
+    EXPECT_TRUE(has(report, part)) << part;
+  const std::string history = contents(folder_ / "out/history.csv");
+  EXPECT_TRUE(has(history.substr(0, history.find('\n')), ",outflow_mass [kg],"));
+  const auto record = nlohmann::json::parse(contents(folder_ / "out/record.json"));
+  EXPECT_GT(record["outflow"]["mass_kilogram"], 0);
+
+  ASSERT_EQ(talus("run " + file + " --until '0.45 s' --out " + in("in_two")).code, 0);
+  const auto half_way = nlohmann::json::parse(contents(folder_ / "in_two/record.json"))["outflow"];
+  EXPECT_GT(half_way["mass_kilogram"], 0.1 * record["outflow"]["mass_kilogram"].get<double>());
+  EXPECT_LT(half_way["mass_kilogram"], 0.9 * record["outflow"]["mass_kilogram"].get<double>());
+  const Finished rest = talus("run " + in("in_two") + " --resume --until '0.55 s'");
+  EXPECT_EQ(rest.code, 0) << rest.output;
+  EXPECT_EQ(contents(folder_ / "in_two/history.csv"), history);
+}
+
 TEST_F(Program, ARunThatBreaksLeavesACaseThatBreaksInTheSameWayStepByStep) {
   std::string text = contents(cases + "free_fall.toml");
   text.replace(text.find("end = \"0.3 s\""), 13, "end = \"1 s\"");

@@ -119,7 +119,7 @@ TEST(ReadCase, WrongTypesAndMissingUnitsAreRefused) {
   expect_complaint("min = [\"-240 mm\", \"0 mm\"]", "min = \"-240 mm\"", "must be a list of 2 numbers");
   expect_complaint("law = \"granular\"", "law = \"granulr\"", "did you mean `granular`?");
   expect_complaint("y_min = \"rough\"", "y_min = \"sticky\"",
-                   "must be `open`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
+                   "must be `open`, `outflow`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
   expect_complaint("y_min = \"rough\"", "z_min = \"no_slip\"", "z_min is no key of the walls");
   expect_complaint("[run]\nend = \"0.5 s\"", "[[run]]\nend = \"0.5 s\"", "must be a section [run]");
 }
@@ -334,7 +334,8 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect("{ kind = \"no_slip\", friction = 0.3 }", "goes with kind `friction` only");
   expect("{ kind = \"no_slip\", separates = true }", "goes with kinds `slip` and `friction` only");
   expect("{ kind = \"slip\", separates = 1 }", "neither true nor false");
-  expect("{ kind = \"sticky\" }", "must be `open`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
+  expect("{ kind = \"sticky\" }",
+         "must be `open`, `outflow`, `slip`, `no_slip`, `friction`, `rough`, `symmetry` or `periodic`");
   expect("{ kind = \"rough\", friction = 0.3 }", "goes with kind `friction` only");
   expect(
       "\"rough\"\n[material.water]\nlaw = \"newtonian_fluid\"\nK = \"1 MPa\"\neta = \"0 Pa s\"\ndensity = \"1000 "

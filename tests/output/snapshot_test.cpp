@@ -25,11 +25,12 @@ Observation two_particles() {
           {{"position", "m", "place", 3, {0.1, 0.2, 0.3, 1.1, 1.2, 1.3}},
            {"velocity", "m/s", "velocity", 3, {1, 2, 3, 4, 5, 6}},
            {"stress", "Pa", "stress", 6, {-1, -2, -3, 4, 5, 6, -10, -20, -30, 40, 50, 60}},
-           {"p", "Pa", "pressure", 1, {2, 20}}}};
+           {"p", "Pa", "pressure", 1, {2, 20}},
+           {"id", "1", "number", 1, {3, 123'456'789}}}};
 }
 
 TEST_F(Snapshots, AnIndependentReaderFindsTheValuesNamesAndUnits) {
-  write_snapshot(folder_ / "a.hdf", two_particles(), {"velocity", "stress", "p"});
+  write_snapshot(folder_ / "a.hdf", two_particles(), {"velocity", "stress", "p", "id"});
   std::ofstream(folder_ / "read.py") << R"(
 import h5py, sys
 f = h5py.File(sys.argv[1])
@@ -39,9 +40,10 @@ assert v["NumberOfPoints"][0] == 2 and v["NumberOfCells"][0] == 2 and v["NumberO
 assert list(v["Offsets"]) == [0, 1, 2] and list(v["Connectivity"]) == [0, 1] and list(v["Types"]) == [1, 1]
 assert v["Points"][1].tolist() == [1.1, 1.2, 1.3]
 p = v["PointData"]
-assert sorted(p) == ["p", "stress", "velocity"]
+assert sorted(p) == ["id", "p", "stress", "velocity"]
 assert p["velocity"][1].tolist() == [4, 5, 6] and p["velocity"].attrs["units"] == b"m/s"
 assert p["stress"][0].tolist() == [-1, -2, -3, 4, 5, 6] and p["stress"].attrs["units"] == b"Pa"
+assert p["id"][:].tolist() == [3, 123456789] and p["id"].dtype.kind == "i"
 assert p["p"][:].tolist() == [2, 20] and p["p"].attrs["meaning"] == b"pressure"
 assert f["talus/time"][0] == 0.25 and f["talus/step"][0] == 7
 )";
@@ -52,11 +54,11 @@ assert f["talus/time"][0] == 0.25 and f["talus/step"][0] == 7
 TEST_F(Snapshots, WhatWasWrittenIsReadBack) {
   Observation seen = two_particles();
   seen.fields[3].unit = "";  // a text without letters
-  write_snapshot(folder_ / "a.hdf", seen, {"velocity", "stress", "p"});
+  write_snapshot(folder_ / "a.hdf", seen, {"velocity", "stress", "p", "id"});
   const Observation read = read_snapshot(folder_ / "a.hdf");
   EXPECT_EQ(read.time, 0.25);
   EXPECT_EQ(read.step, 7);
-  ASSERT_EQ(read.fields.size(), 4u);
+  ASSERT_EQ(read.fields.size(), 5u);
   EXPECT_EQ(read.fields[0].name, "position");
   for (const Field& f : seen.fields) {
     const Field* found = read.find(f.name);

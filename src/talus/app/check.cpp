@@ -64,7 +64,7 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
   fs::create_directories(folder);
   OutputTimes times{};
   const OutlineFinder outlines(what, simulation.places());
-  History history(folder / "history.csv", what.dim, what.axisymmetric, 0);
+  History history(folder / "history.csv", what);
   times.row = mean_time([&] { history.add(simulation.ledger(), outlines.find(simulation.places())); });
   Observation seen;
   times.snapshot = mean_time([&] {

@@ -19,7 +19,7 @@ bool can_be_coarser(const Case& what, int f) {
   for (int a = 0; a < what.dim; ++a) {  // a wall must stay where it is
     const WallKind wall = what.walls[2 * a + 1].kind;
     const int multiple = wall == WallKind::periodic ? f * periodic_multiple : f;
-    if (what.n_cells[a] % multiple != 0 && wall != WallKind::open) return false;
+    if (what.n_cells[a] % multiple != 0 && wall != WallKind::open && wall != WallKind::outflow) return false;
   }
   for (const Solid& s : what.solids)
     if (const double thin = thickness(s, what.dim); thin > 0 && thin < f * what.cell * close) return false;

@@ -59,7 +59,7 @@ int run_case(const RunOptions& options) {
   const auto how_to_go_on = [&] { return command_to_resume(task, folder, options.threads); };
   Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
   if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
-  History history(folder / "history.csv", what.dim, what.axisymmetric, so_far.history_bytes);
+  History history(folder / "history.csv", what, so_far.history_bytes);
   SurfaceTable surfaces(folder / "surface.csv", what.dim, what.axisymmetric, so_far.surface_bytes);
   SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
   PictureBook pictures(folder / "pictures", what, so_far.instants);
@@ -181,6 +181,7 @@ int run_case(const RunOptions& options) {
     for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
   write_report(folder, what, run, drawn, charts);
   fmt::print(stderr, "{}\n", in_words(run.tally));
+  if (const std::string notice = notice_of_outflow(run.ledger); !notice.empty()) fmt::print(stderr, "{}\n", notice);
   for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
   if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
   if (!run.failure.empty()) throw RunError(run.failure);

@@ -64,6 +64,7 @@ inline constexpr Choice lattice_choices[] = {
 inline constexpr Quantity common_quantities[] = {
     {"velocity", "m/s", 3, "velocity of the material"},
     {"body", "1", 1, "number of the body, in the order of the case"},
+    {"id", "1", 1, "number of the particle, from 0"},
     {"mass", "kg", 1, "mass; in plane strain per metre of thickness, axisymmetric per radian"},
     {"volume", "m3", 1, "volume; in plane strain per metre of thickness, axisymmetric per radian"},
     {"stress", "Pa", 6, "total Cauchy stress, tension-positive"},
@@ -72,7 +73,7 @@ inline constexpr Quantity common_quantities[] = {
     {"shear_rate", "1/s", 1, "|g| = sqrt(D:D/2) of the strain rate's deviator D"},
     {"spin", "kg m2/s", 3, "angular momentum about the particle's own place; only with transfer apic"},
 };
-/// What snapshots hold if the user does not say otherwise.
+/// What snapshots hold if the user does not say otherwise; where particles may leave, `id` too.
 inline constexpr std::string_view usual_fields[] = {
     "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
     "kappa",    "I",    "viscosity",         "separated"};
@@ -155,6 +156,12 @@ struct Case {
   double end = 0;  ///< [s]
   OutputSpec output;
 };
+
+/// Whether particles may leave.
+inline bool has_outflow(const Case& what) {
+  return std::any_of(what.walls.begin(), what.walls.end(),
+                     [](const Wall& wall) { return wall.kind == WallKind::outflow; });
+}
 
 /// The longest side of the domain [m].
 inline double extent(const Case& what) {

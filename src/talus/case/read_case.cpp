@@ -124,8 +124,9 @@ void read_domain(Section& root, Case& what) {
                              axis_names[a], with_unit(length, "m"), cells,
                              with_unit(what.domain.min[a] + std::ceil(cells - 1e-6) * what.cell, "m")));
   }
-  static constexpr WallKind all_kinds[] = {WallKind::open,  WallKind::slip,     WallKind::no_slip, WallKind::friction,
-                                           WallKind::rough, WallKind::symmetry, WallKind::periodic};
+  static constexpr WallKind all_kinds[] = {WallKind::open,     WallKind::outflow,  WallKind::slip,
+                                           WallKind::no_slip,  WallKind::friction, WallKind::rough,
+                                           WallKind::symmetry, WallKind::periodic};
   Section walls = s.has("walls") ? s.section("walls", "what stands on the sides of the domain") : s;
   for (int side = 0; side < 2 * what.dim; ++side) {
     const std::string key = fmt::format("{}_{}", axis_names[side / 2], side % 2 == 0 ? "min" : "max");
@@ -737,7 +738,9 @@ void read_output(Section& root, Case& what) {
           for (const auto& q : law.quantities()) known.push_back(q.name);
         },
         m.law);
-  o.fields = s.words("fields", known, {std::begin(usual_fields), std::end(usual_fields)}, "quantities in snapshots");
+  std::vector<std::string_view> usual(std::begin(usual_fields), std::end(usual_fields));
+  if (has_outflow(what)) usual.push_back("id");
+  o.fields = s.words("fields", known, usual, "quantities in snapshots");
   o.checkpoints = s.optional_number(
       {"checkpoints", "s", Range::positive(), "simulated time between checkpoints, beside those by the clock"});
   o.checkpoint_wall = s.number({"checkpoint_wall", "s", Range::positive(), "time on the clock between checkpoints"},

@@ -11,9 +11,10 @@
 
 namespace talus {
 
-enum class WallKind { open, slip, no_slip, friction, rough, symmetry, periodic };
+enum class WallKind { open, outflow, slip, no_slip, friction, rough, symmetry, periodic };
 inline constexpr Choice wall_choices[] = {
     {"open", "no wall; a particle that leaves here stops the run"},
+    {"outflow", "no wall; what leaves here is gone, and the ledger says what it took along"},
     {"slip", "smooth: nothing passes, nothing is held along the wall"},
     {"no_slip", "material at the wall sticks to it"},
     {"friction", "Coulomb: held along the wall by `friction` times what presses on it, at most"},
@@ -22,10 +23,12 @@ inline constexpr Choice wall_choices[] = {
     {"periodic", "what leaves here comes in at the opposite side, which is periodic too"},
 };
 /// Whether there is nothing on such a side.
-constexpr bool is_passable(WallKind kind) { return kind == WallKind::open || kind == WallKind::periodic; }
+constexpr bool is_passable(WallKind kind) {
+  return kind == WallKind::open || kind == WallKind::outflow || kind == WallKind::periodic;
+}
 /// A period holds a multiple of so many cells.
 inline constexpr int periodic_multiple = 4;
-inline constexpr Choice contact_choices[] = {wall_choices[1], wall_choices[2], wall_choices[3], wall_choices[4]};
+inline constexpr Choice contact_choices[] = {wall_choices[2], wall_choices[3], wall_choices[4], wall_choices[5]};
 inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction, WallKind::rough};
 
 /// What the surface of a wall or of a solid does to material that meets it.

@@ -39,6 +39,7 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.velocity(a)[i] : 0;
   });
   put(common("body"), [&](int, double* v) { *v = number; });
+  put(common("id"), [&](int i, double* v) { *v = p.id()[i]; });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
   if (p.extras().moment)
@@ -61,6 +62,19 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
         for (const auto& q : Law::quantities()) put(q, [&](int i, double* v) { q.tell(law, state(i), rates[i], v); });
       },
       body.law);
+}
+
+void leave_out_what_has_left(Observation& seen) {
+  const std::vector<double> ids = seen.find("id")->values;
+  for (Field& f : seen.fields) {
+    auto end = f.values.begin();
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (std::isnan(ids[i])) continue;
+      const auto row = f.values.begin() + std::ptrdiff_t(i) * f.components;
+      end = std::copy(row, row + f.components, end);
+    }
+    f.values.erase(end, f.values.end());
+  }
 }
 
 template <int Dim>
@@ -105,12 +119,12 @@ std::string describe(const Body<Dim>& body, int i) {
 }
 
 template <int Dim>
-double elastic_energy(const Body<Dim>& body) {
+double elastic_energy(const Body<Dim>& body, int first) {
   const Particles<Dim>& p = body.particles;
   double sum = 0;
   std::visit(
       [&]<class Law>(const Law& law) {
-        for (int i = 0; i < p.size(); ++i) {
+        for (int i = first; i < p.size(); ++i) {
           const auto state = state_of<Law>(p, i);
           sum += p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state);
         }
@@ -176,10 +190,10 @@ template void place_body(const Body<2>&, bool, ParticlePlaces&);
 template void place_body(const Body<3>&, bool, ParticlePlaces&);
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
-template double elastic_energy(const Body<2>&);
+template double elastic_energy(const Body<2>&, int);
 template double largest_volume_per_mass(const Body<2>&);
 template double largest_volume_per_mass(const Body<3>&);
-template double elastic_energy(const Body<3>&);
+template double elastic_energy(const Body<3>&, int);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);
 template std::optional<Stiffening> contact_stiffening(const Body<3>&);
 template FastestWave fastest_wave(const Body<2>&, const Integration&);

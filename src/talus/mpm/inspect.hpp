@@ -10,11 +10,14 @@
 
 namespace talus {
 
-/// Adds a body's particles to an observation of `n` particles in all. `rates` holds their strain rates, in the order of
-/// the particles.
+/// Adds a body's particles to an observation with room for the ids below `n`. `rates` holds their strain rates, in the
+/// order of the particles.
 template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
                   Observation& seen);
+
+/// Takes the rows of ids that no particle has out of an observation with room for all.
+void leave_out_what_has_left(Observation& seen);
 
 /// Fills in the places and sizes of a body's particles, whose volumes are per radian if axisymmetric.
 template <int Dim>
@@ -24,9 +27,9 @@ void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
 template <int Dim>
 std::string describe(const Body<Dim>& body, int particle);
 
-/// Elastic energy stored in a body [J].
+/// Elastic energy stored in the particles of a body from `first` on [J].
 template <int Dim>
-double elastic_energy(const Body<Dim>& body);
+double elastic_energy(const Body<Dim>& body, int first);
 
 /// Of all particles [m3/kg].
 template <int Dim>

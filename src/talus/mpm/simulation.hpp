@@ -14,6 +14,13 @@
 
 namespace talus {
 
+/// What has left a run since its start, and what it took along. Energies in J.
+struct Outflow {
+  double mass = 0;    ///< [kg]
+  Vec<3> momentum{};  ///< [kg m/s]
+  double kinetic = 0, potential = 0, elastic = 0;
+};
+
 /// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness, axisymmetric per
 /// radian.
 struct Ledger {
@@ -36,10 +43,12 @@ struct Ledger {
   /// none.
   double wall_work = 0;
   Vec<3> wall_impulse{};       ///< what walls and solids have given to the material since the start [N s]
+  Vec<3> gravity_impulse{};    ///< what gravity has given to it [N s]
+  Outflow outflow;             ///< through sides that let out
   double initial = 0;          ///< kinetic, potential and elastic energy at the start
   double initial_elastic = 0;  ///< the elastic part of it
-  /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, or moving solids
-  /// ever given or taken: what losses and errors are measured by.
+  /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, what has left with
+  /// both, or moving solids ever given or taken: what losses and errors are measured by.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   long n_separated = 0;    ///< particles whose grains have moved apart
@@ -48,8 +57,8 @@ struct Ledger {
   /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
   /// joule.
   double error() const {
-    return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work -
-           initial;
+    return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work +
+           outflow.kinetic + outflow.potential + outflow.elastic - initial;
   }
 };
 
@@ -60,7 +69,7 @@ struct Field {
   std::vector<double> values;  ///< component by component for particle 0, then for particle 1, ...
 };
 
-/// Everything that can be seen of the particles at an instant, in the order of their ids.
+/// Everything that can be seen at an instant of the particles that are there, in the order of their ids.
 struct Observation {
   double time = 0;
   long step = 0;
@@ -74,7 +83,7 @@ struct Observation {
   }
 };
 
-/// Where the particles stand and how large they are, in the order of their ids: all that an outline needs.
+/// Where the particles stand and how large they are, one for every id, NaN for what has left: all that an outline needs.
 struct ParticlePlaces {
   std::vector<Vec<3>> places;  ///< [m]
   std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]

@@ -10,8 +10,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
@@ -45,9 +47,10 @@ class Stepper final : public Simulation {
         filter_(domain, shapes_),
         shift_(domain, bodies_, shapes_),
         scratch_(loop.n_workers()) {
+    for (const auto& body : bodies_) sizes_at_start_.push_back(body.particles.size());
     arrange();
     take(over_tiles([&](int t, int, TileSums& sums) { account_particles(t, sums); }));
-    for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body);
+    for (const auto& body : bodies_) ledger_.elastic += elastic_energy(body, 0);
     ledger_.initial_elastic = ledger_.elastic;
     ledger_.initial = ledger_.kinetic + ledger_.potential + ledger_.elastic;
     for (const auto& body : bodies_)
@@ -62,6 +65,7 @@ class Stepper final : public Simulation {
     const BoundedStep next = next_step();
     const double dt = next.dt;
     const double alpha = share_kept(dt);
+    for (int a = 0; a < Dim; ++a) ledger_.gravity_impulse[a] += dt * ledger_.mass * gravity_[a];
     const bool filters = numerics_.transfer == Transfer::affine_tau && unfiltered_ >= numerics_.tau / filters_per_tau;
     if (filters) filter_velocities();
     const TileSums nodes = find_node_velocities(alpha, filters);
@@ -79,8 +83,10 @@ class Stepper final : public Simulation {
       update_stresses(dt, alpha);
       move_particles(dt, alpha);
     }
-    const double released = ledger_.initial - ledger_.initial_elastic - ledger_.kinetic - ledger_.potential;
-    ledger_.turnover = std::max({ledger_.turnover, ledger_.kinetic, std::abs(released), std::abs(ledger_.wall_work)});
+    const double kinetic = ledger_.kinetic + ledger_.outflow.kinetic;
+    const double released =
+        ledger_.initial - ledger_.initial_elastic - kinetic - ledger_.potential - ledger_.outflow.potential;
+    ledger_.turnover = std::max({ledger_.turnover, kinetic, std::abs(released), std::abs(ledger_.wall_work)});
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     unfiltered_ += dt;
@@ -104,6 +110,7 @@ class Stepper final : public Simulation {
     for (const auto& body : bodies_) n += body.particles.size();
     return n;
   }
+  long n_at_start() const { return std::accumulate(sizes_at_start_.begin(), sizes_at_start_.end(), 0L); }
   long n_tiles() const override { return grid_.n_tiles(); }
   std::size_t bytes() const override {
     std::size_t b = grid_.bytes() + filter_.bytes();
@@ -358,6 +365,7 @@ class Stepper final : public Simulation {
     if (total.bad) stop_outside();
     if (reorder) {
       if (numerics_.particle_shifting) shift_particles();
+      let_out();
       arrange();
       count_periods_fallen();
       give_all_momentum();
@@ -383,6 +391,59 @@ class Stepper final : public Simulation {
     take(total);
     ledger_.numerical += before - ledger_.potential;
     if (total.bad) stop_outside();
+  }
+
+  /// Takes out of the run the particles that have left through a side that lets out, and notes what they took along.
+  /// Until particles are put in order they stay on outside, for a tenth of a cell or so.
+  void let_out() {
+    for (int side = 0; side < 2 * Dim; ++side) {
+      if (!domain_.lets_out(side)) continue;
+      const int axis = side / 2;
+      const auto is_out = [&](double x) {
+        x = (x - domain_.origin[axis]) / domain_.h;
+        return side % 2 == 0 ? x < 0 : x > domain_.n_cells[axis];
+      };
+      for (auto& body : bodies_) {
+        Particles<Dim>& p = body.particles;
+        const double* x = p.position(axis);
+        std::vector<int> order(p.size());
+        std::iota(order.begin(), order.end(), 0);
+        const auto first_out = std::stable_partition(order.begin(), order.end(), [&](int i) { return !is_out(x[i]); });
+        const int kept = int(first_out - order.begin());
+        if (kept == p.size()) continue;
+        std::vector<double> spare(p.size());
+        for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
+        account_outflow(body, kept);
+        p.resize(kept);
+      }
+    }
+    set_least_mass();
+  }
+
+  /// Moves what the particles from `first` on hold from what is there to what has left.
+  void account_outflow(const Body<Dim>& body, int first) {
+    const Particles<Dim>& p = body.particles;
+    Outflow out;
+    for (int i = first; i < p.size(); ++i) {
+      const double mass = p.mass()[i];
+      out.mass += mass;
+      for (int a = 0; a < Dim; ++a) {
+        const double v = p.velocity(a)[i];
+        out.momentum[a] += mass * v;
+        out.kinetic += 0.5 * mass * v * v;
+        out.potential -= mass * gravity_[a] * p.position(a)[i];
+      }
+    }
+    out.elastic = elastic_energy(body, first);
+    const auto move = [](auto& from, auto& to, const auto& what) {
+      from = from - what;
+      to = to + what;
+    };
+    move(ledger_.mass, ledger_.outflow.mass, out.mass);
+    move(ledger_.momentum, ledger_.outflow.momentum, out.momentum);
+    move(ledger_.kinetic, ledger_.outflow.kinetic, out.kinetic);
+    move(ledger_.potential, ledger_.outflow.potential, out.potential);
+    move(ledger_.elastic, ledger_.outflow.elastic, out.elastic);
   }
 
   // ---- walls and solids ------------------------------------------------------------------------------------------
@@ -789,26 +850,30 @@ class Stepper final : public Simulation {
 
   bool inside(const FourPlaces<Dim>& x_in_cells) const {
     bool all_inside = true;
-    for (int a = 0; a < Dim; ++a)
-      all_inside &=
-          domain_.is_periodic(a) || all((x_in_cells[a] >= Quad(0.0)) & (x_in_cells[a] <= Quad(domain_.n_cells[a])));
+    for (int a = 0; a < Dim; ++a) {
+      if (domain_.is_periodic(a)) continue;
+      all_inside &= domain_.lets_out(2 * a) || all(x_in_cells[a] >= Quad(0.0));
+      all_inside &= domain_.lets_out(2 * a + 1) || all(x_in_cells[a] <= Quad(domain_.n_cells[a]));
+    }
     return all_inside;
   }
 
   [[noreturn]] void stop_outside() {
-    stop("a particle has left the domain",
-         [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.places(i, 1))); });
+    stop(
+        "a particle has left the domain",
+        [&](const Body<Dim>& body, int i) { return !inside(domain_.in_cells(body.particles.places(i, 1))); },
+        "A larger domain keeps it, a side of kind `outflow` lets it go.\n");
   }
 
   /// Finds the first particle of which `is_bad` holds and says everything about it.
   template <class F>
-  [[noreturn]] void stop(const std::string& what, F is_bad) {
+  [[noreturn]] void stop(const std::string& what, F is_bad, const std::string& advice = "") {
     broken_ = true;
     for (const auto& body : bodies_)
       for (int i = 0; i < body.particles.size(); ++i) {
         if (!is_bad(body, i)) continue;
-        throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}", what, ledger_.time, ledger_.step,
-                                   ledger_.dt, talus::describe(body, i)),
+        throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}{}", what, ledger_.time,
+                                   ledger_.step, ledger_.dt, talus::describe(body, i), advice),
                        long(body.particles.id()[i]));
       }
     throw RunError(what);
@@ -833,7 +898,8 @@ class Stepper final : public Simulation {
 
   Domain<Dim> domain_;
   std::vector<Body<Dim>> bodies_;
-  std::vector<Shape> shapes_;  ///< of the bodies
+  std::vector<int> sizes_at_start_;  ///< of the bodies, in particles
+  std::vector<Shape> shapes_;        ///< of the bodies
   Vec<Dim> gravity_;
   Numerics numerics_;
   Loop& loop_;
@@ -886,8 +952,9 @@ Observation Stepper<Dim, Shape>::observe() {
         rates[body.tiles[t].begin + i] = symmetric_part(L);
       }
     });
-    observe_body(body, number++, rates, n_particles(), seen);
+    observe_body(body, number++, rates, n_at_start(), seen);
   }
+  if (n_particles() < n_at_start()) leave_out_what_has_left(seen);
   return seen;
 }
 
@@ -949,6 +1016,10 @@ void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
   grid_.arrange(places, cells);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     auto& p = bodies_[b].particles;
+    const std::size_t n = give(fmt::format("body {}: position 0", b)).size();
+    if (n > std::size_t(sizes_at_start_[b]))  // fewer if some have left
+      throw std::runtime_error(fmt::format("body {} has {} particles, not {}", b, n, sizes_at_start_[b]));
+    p.resize(int(n));
     const std::vector<double> begins = given(fmt::format("body {}: first particles of tiles", b), n_tiles);
     bodies_[b].tiles.resize(n_tiles);
     for (std::size_t t = 0; t < n_tiles; ++t)
@@ -973,9 +1044,10 @@ void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
 
 template <int Dim, class Shape>
 ParticlePlaces Stepper<Dim, Shape>::places() const {
+  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
   ParticlePlaces all;
-  all.places.resize(n_particles());
-  all.sizes.resize(n_particles());
+  all.places.resize(n_at_start(), {nowhere, nowhere, nowhere});
+  all.sizes.resize(n_at_start(), nowhere);
   for (const auto& body : bodies_) place_body(body, domain_.axisymmetric, all);
   return all;
 }

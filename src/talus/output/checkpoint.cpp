@@ -34,6 +34,7 @@ class Writer {
  public:
   explicit Writer(const fs::path& file) : file_(file) {}
   void bytes(const void* p, std::size_t n) {
+    if (n == 0) return;  // zlib takes the null pointer of an empty array for the start of a sum
     sum_ = checksum(sum_, p, n);
     file_.write(p, n);
   }
@@ -107,7 +108,7 @@ SavedRun read(const fs::path& file) {
     } else {
       std::vector<double>& numbers = saved.state[name];
       numbers.resize(values.size() / sizeof(double));
-      std::memcpy(numbers.data(), values.data(), numbers.size() * sizeof(double));
+      if (!numbers.empty()) std::memcpy(numbers.data(), values.data(), numbers.size() * sizeof(double));
     }
   }
   return saved;

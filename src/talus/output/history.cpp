@@ -18,7 +18,7 @@ struct Column {
   double (*value)(const Ledger&, const Outline&);
 };
 
-std::vector<Column> columns_for(int dim, bool axisymmetric) {
+std::vector<Column> columns_for(int dim, bool axisymmetric, bool outflow) {
   std::vector<Column> c = {
       {"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
       {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
@@ -66,6 +66,20 @@ std::vector<Column> columns_for(int dim, bool axisymmetric) {
       {"unconverged_returns", [](const Ledger& l, const Outline&) { return double(l.n_unconverged); }},
   };
   c.insert(c.end(), rest.begin(), rest.end());
+  if (!outflow) return c;
+  const std::vector<Column> of_outflow = {
+      {"outflow_mass [kg]", [](const Ledger& l, const Outline&) { return l.outflow.mass; }},
+      {"outflow_momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[0]; }},
+      {"outflow_momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[1]; }},
+      {"outflow_momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[2]; }},
+      {"outflow_kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.kinetic; }},
+      {"outflow_potential_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.potential; }},
+      {"outflow_elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.elastic; }},
+      {"gravity_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[0]; }},
+      {"gravity_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[1]; }},
+      {"gravity_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[2]; }},
+  };
+  c.insert(c.end(), of_outflow.begin(), of_outflow.end());
   return c;
 }
 
@@ -109,12 +123,15 @@ int GrowingTable::column(const std::string& name) const {
   return found == columns_.end() ? -1 : int(found - columns_.begin());
 }
 
-History::History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
-    : GrowingTable(file, names_of(columns_for(dim, axisymmetric)), bytes), dim_(dim), axisymmetric_(axisymmetric) {}
+History::History(const std::filesystem::path& file, const Case& what, long bytes)
+    : GrowingTable(file, names_of(columns_for(what.dim, what.axisymmetric, has_outflow(what))), bytes),
+      dim_(what.dim),
+      axisymmetric_(what.axisymmetric),
+      outflow_(has_outflow(what)) {}
 
 void History::add(const Ledger& ledger, const Outline& outline) {
   std::vector<double> row;
-  for (const Column& c : columns_for(dim_, axisymmetric_)) row.push_back(c.value(ledger, outline));
+  for (const Column& c : columns_for(dim_, axisymmetric_, outflow_)) row.push_back(c.value(ledger, outline));
   GrowingTable::add({row});
 }
 
@@ -131,7 +148,7 @@ void SurfaceTable::add(double time, const Surface& surface) {
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
   const auto column = [&](const char* name) { return history.column(name) + 1; };
   const std::string time = "time [s]";
-  return {
+  std::vector<Chart> charts = {
       {"front", "How far the deposit reaches", time, fmt::format("position of the fronts [{}]", unit.name), 1,
        1 / unit.length, 1,
        column("front_radius [m]") > 0
@@ -171,6 +188,19 @@ std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
        1,
        {{column("separated_particles"), "separated particles"}}},
   };
+  if (column("outflow_mass [kg]") == 0) return charts;
+  Chart& energy = *std::find_if(charts.begin(), charts.end(), [](const Chart& c) { return c.name == "energy"; });
+  energy.curves.insert(energy.curves.begin() + 1, {column("outflow_kinetic_energy [J]"), "kinetic, flowed out"});
+  charts.insert(charts.begin() + 2,
+                {"outflow",
+                 "How much has flowed out",
+                 time,
+                 "mass [kg]",
+                 1,
+                 1,
+                 1,
+                 {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "flowed out"}}});
+  return charts;
 }
 
 }  // namespace talus

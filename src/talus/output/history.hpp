@@ -40,12 +40,12 @@ class GrowingTable {
 /// history.csv, a row an instant.
 class History : public GrowingTable {
  public:
-  History(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
+  History(const std::filesystem::path& file, const Case& what, long bytes = 0);
   void add(const Ledger& ledger, const Outline& outline);
 
  private:
   int dim_;
-  bool axisymmetric_;
+  bool axisymmetric_, outflow_;
 };
 
 /// surface.csv, the thickness of the material at the instants of snapshots: a row a strip of ground, or a ring.
@@ -55,7 +55,7 @@ class SurfaceTable : public GrowingTable {
   void add(double time, const Surface& surface);
 };
 
-/// What of a history is drawn: fronts, height, energies, time step, separated particles.
+/// What of a history is drawn: fronts, height, what has flowed out, energies, time step, separated particles.
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit);
 
 }  // namespace talus

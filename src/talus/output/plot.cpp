@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 #include <stdexcept>
 
@@ -59,9 +60,9 @@ std::string gnuplot_text(const std::string& text) {
 }
 
 const char* line_colour(int i) {
-  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7",
-                                            "#e69f00", "#56b4e9", "#000000"};
-  return colours[i % 7];
+  static constexpr const char* colours[] = {"#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00",
+                                            "#56b4e9", "#000000", "#882255", "#999933", "#999999"};
+  return colours[i % std::size(colours)];
 }
 
 std::string even_palette() {

@@ -44,6 +44,7 @@ std::string surface_in_words(const Wall& surface) {
     case WallKind::symmetry: return "plane of symmetry";
     case WallKind::no_slip: return "sticking";
     case WallKind::periodic: return "periodic";
+    case WallKind::outflow: return "outflow";
     default: return surface.separates ? "smooth, lets go" : "smooth";
   }
 }
@@ -205,6 +206,14 @@ std::string notice_of_symmetry(const Case& what) {
                      planes, planes == 1 ? "" : "s");
 }
 
+std::string notice_of_outflow(const Ledger& l) {
+  if (l.outflow.mass == 0) return "";
+  return fmt::format(
+      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides. Fronts and heights are those of what is "
+      "still there.",
+      l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass));
+}
+
 std::string in_words(const StepTally& t) {
   const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
   if (t.n() == 0) return "no steps";
@@ -296,6 +305,13 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
       {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
       {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
       {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  if (l.outflow.mass > 0)
+    record["outflow"] = {
+        {"mass_kilogram", l.outflow.mass},
+        {"momentum_newton_second", {l.outflow.momentum[0], l.outflow.momentum[1], l.outflow.momentum[2]}},
+        {"kinetic_joule", l.outflow.kinetic},
+        {"potential_joule", l.outflow.potential},
+        {"elastic_joule", l.outflow.elastic}};
   record["wall_impulse_newton_second"] = {l.wall_impulse[0], l.wall_impulse[1], l.wall_impulse[2]};
   const StepTally& t = run.tally;
   nlohmann::ordered_json held;
@@ -357,6 +373,7 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
 
   if (const std::string notice = notice_of_symmetry(what); !notice.empty())
     page << "<p>" << escaped(notice) << "</p>\n";
+  if (const std::string notice = notice_of_outflow(l); !notice.empty()) page << "<p>" << escaped(notice) << "</p>\n";
 
   const LengthUnit unit = length_unit_for(extent(what));
   const auto length = [&](double x) {
@@ -398,6 +415,7 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
   energy("was lost in the transfers between particles and grid", l.numerical);
   energy("became heat by friction on walls and solids", l.wall_friction);
   energy("was work on moving solids (negative: they pushed)", l.wall_work);
+  if (has_outflow(what)) energy("left as kinetic energy of what flowed out", l.outflow.kinetic);
   energy("is not accounted for", -l.error());
   page << "</table>\n";
 

@@ -40,6 +40,9 @@ std::string notice_of_preset(const Case& what);
 /// That planes of symmetry leave only a part of the whole to be computed; nothing if there are none.
 std::string notice_of_symmetry(const Case& what);
 
+/// What has left a run through sides that let out; nothing if nothing has.
+std::string notice_of_outflow(const Ledger& ledger);
+
 /// How long the steps were and what bounded them, in a sentence.
 std::string in_words(const StepTally& tally);
 

@@ -99,7 +99,8 @@ std::string file_of(const Observation& seen, const std::vector<std::string>& nam
   const Handle data(H5Gcreate2(root, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   for (const std::string& name : names)
     if (const Field* f = seen.find(name))
-      write_dataset(data, name.c_str(), H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values, f->components, f);
+      write_dataset(data, name.c_str(), name == "id" ? H5T_STD_I64LE : H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values,
+                    f->components, f);
 
   const Handle run(H5Gcreate2(file, "talus", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time}, 1);

@@ -120,6 +120,13 @@ void put_axis(const std::string& id, const Packed& places, nlohmann::json& facts
   html += element_of(id, places.words);
 }
 
+/// A snapshot without the numbers of the particles, which are not for looking at.
+Observation seen_in(const std::filesystem::path& snapshot) {
+  Observation seen = read_snapshot(snapshot);
+  std::erase_if(seen.fields, [](const Field& f) { return f.name == "id"; });
+  return seen;
+}
+
 /// One instant: facts for the scene's JSON, and the elements of the page that hold its numbers.
 struct Instant {
   nlohmann::json facts;
@@ -210,7 +217,7 @@ std::string viewer(const Case& what, const std::vector<std::filesystem::path>& s
   // How much an instant takes, on average of three.
   const std::vector<std::size_t> tried = spread_out(n_all, std::min<std::size_t>(3, n_all));
   std::size_t sample = 1;
-  for (std::size_t i : tried) sample += pack(read_snapshot(snapshots[i]), 0, 1).html.size() / tried.size();
+  for (std::size_t i : tried) sample += pack(seen_in(snapshots[i]), 0, 1).html.size() / tried.size();
   const std::size_t n = std::clamp<std::size_t>(budget / sample, std::min<std::size_t>(fewest_instants, n_all), n_all);
   const std::size_t every = std::max<std::size_t>(1, (n * sample + budget - 1) / budget);
 
@@ -229,7 +236,7 @@ std::string viewer(const Case& what, const std::vector<std::filesystem::path>& s
   std::string data;
   scene["solids"] = pack_solids(what, data);
   for (std::size_t i : spread_out(n_all, n)) {
-    const Observation seen = read_snapshot(snapshots[i]);
+    const Observation seen = seen_in(snapshots[i]);
     const nlohmann::json quantities = quantities_of(seen);
     if (!scene.contains("quantities")) scene["quantities"] = quantities;
     if (quantities != scene["quantities"])
