@@ -110,7 +110,9 @@ TEST(OutflowOfSand, WhatIsLeftIsSeenByItsIds) {
   ASSERT_NEAR(seen.n_particles(), start.n_particles() / 2, 40);  // four rows of ten
   for (int k = 0; k < seen.n_particles(); ++k) {
     const int id = int(value(seen, "id", k));
-    if (k > 0) { ASSERT_GT(id, int(value(seen, "id", k - 1))); }
+    if (k > 0) {
+      ASSERT_GT(id, int(value(seen, "id", k - 1)));
+    }
     EXPECT_NEAR(value(seen, "position", k, 0), value(start, "position", id, 0), 1e-9);
     EXPECT_GT(value(start, "position", id, 1), 1.9);
     EXPECT_EQ(s->places().places[id][0], value(seen, "position", k, 0));

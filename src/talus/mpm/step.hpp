@@ -852,8 +852,10 @@ class Stepper final : public Simulation {
     bool all_inside = true;
     for (int a = 0; a < Dim; ++a) {
       if (domain_.is_periodic(a)) continue;
-      all_inside &= domain_.lets_out(2 * a) || all(x_in_cells[a] >= Quad(0.0));
-      all_inside &= domain_.lets_out(2 * a + 1) || all(x_in_cells[a] <= Quad(domain_.n_cells[a]));
+      constexpr double far = 1e6;  // beyond a side that lets out; what is not a number is nowhere
+      const double low = domain_.lets_out(2 * a) ? -far : 0,
+                   high = domain_.n_cells[a] + (domain_.lets_out(2 * a + 1) ? far : 0);
+      all_inside &= all((x_in_cells[a] >= Quad(low)) & (x_in_cells[a] <= Quad(high)));
     }
     return all_inside;
   }
