@@ -48,9 +48,8 @@ inline constexpr Choice order_choices[] = {
 enum class InitialStress { k0, zero };
 inline constexpr Choice initial_stress_choices[] = {
     {"k0",
-     "at rest under its own weight and that of `k0` bodies above: vertical the sum of rho g z, horizontal K0 times "
-     "that, "
-     "K0 = 1 - sin(friction angle) (Jaky 1944)"},
+     "at rest under its own weight and that of `k0` bodies above: vertical the sum of rho g z, "
+     "horizontal K0 times that, K0 = 1 - sin(friction angle) (Jaky 1944)"},
     {"zero", "none"},
 };
 

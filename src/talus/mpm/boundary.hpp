@@ -5,7 +5,7 @@
 /// is the image of the one in front of it, and has its velocity turned round (slip: the normal component; no slip: all
 /// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
 /// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through. Points
-/// do not go behind a wall, so of no shape do they touch more than one node behind a wall.
+/// do not go behind a wall, so of no shape do they touch more than one node there.
 ///
 /// A wall that material may slide on with friction, or lift off, is not known to turn anything round: there the image
 /// goes on in a line from the node in front of the wall through the node on it, v_image = 2 v_wall - v_front, and what it

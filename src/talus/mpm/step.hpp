@@ -110,7 +110,6 @@ class Stepper final : public Simulation {
     for (const auto& body : bodies_) n += body.particles.size();
     return n;
   }
-  long n_at_start() const { return std::accumulate(sizes_at_start_.begin(), sizes_at_start_.end(), 0L); }
   long n_tiles() const override { return grid_.n_tiles(); }
   std::size_t bytes() const override {
     std::size_t b = grid_.bytes() + filter_.bytes();
@@ -122,6 +121,7 @@ class Stepper final : public Simulation {
   void restore(const GiveNumbers& give) override;
 
  private:
+  long n_at_start() const { return std::accumulate(sizes_at_start_.begin(), sizes_at_start_.end(), 0L); }
   BoundedStep next_step() const {
     if (numerics_.dt) return {*numerics_.dt, Bound::fixed};
     const BoundedStep next = stable_step(bounds());
@@ -972,14 +972,11 @@ void Stepper<Dim, Shape>::save(const TakeNumbers& take) const {
     for (const Index<Dim>& corner : {grid_.tile(int(t)).place, grid_.cells()[t].low, grid_.cells()[t].high})
       for (int a = 0; a < Dim; ++a) tiles.push_back(corner[a]);
   take("tiles", tiles);
-  // Tile, node and surface of every closed contact, and whether it sticks; first how many, for arrays are never empty.
-  std::vector<double> closed{0};
+  // Tile, node and surface of every closed contact, and whether it sticks.
+  std::vector<double> closed;
   for (std::size_t t = 0; t < node_contacts_.size(); ++t)
     for (const NodeContact& c : node_contacts_[t])
-      if (c.closed) {
-        ++closed[0];
-        closed.insert(closed.end(), {double(t), double(c.node), double(c.number), double(c.sticks)});
-      }
+      if (c.closed) closed.insert(closed.end(), {double(t), double(c.node), double(c.number), double(c.sticks)});
   take("closed contacts", closed);
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     std::vector<double> begins;
@@ -1034,7 +1031,7 @@ void Stepper<Dim, Shape>::restore(const GiveNumbers& give) {
   }
   settle_on_grid();
   const std::vector<double> closed = give("closed contacts");
-  for (std::size_t i = 1; i + 3 < closed.size(); i += 4) {
+  for (std::size_t i = 0; i + 3 < closed.size(); i += 4) {
     if (!(closed[i] >= 0 && closed[i] < grid_.n_tiles()))
       throw std::runtime_error("`closed contacts` has a tile that is not there");
     node_contacts_[std::size_t(closed[i])].push_back(
