@@ -126,21 +126,24 @@ TEST(CohesiveFriction, InTriaxialCompressionConeAndPyramidAreOne) {
 }
 
 TEST(CohesiveFriction, AtTheApexOfThePyramidExpansionOpensOnlyBeyondWhatShearDilates) {
-  // eps_d = 2/sqrt 3 eps_xy makes room for a dilatancy of M_psi eps_d, with M_psi in simple shear, S = 0.
+  // Where nothing is carried, all of the shear, g (1, 0, -1) in principal directions, flows: across the face of s1 and s3,
+  // (1 + sin psi, 0, -1 + sin psi), and that of s2 and s3, (0, 1 + sin psi, -1 + sin psi), whose deviators add up to it if the
+  // sum of both amounts is g/(1 - sin psi/3). Each dilates by 2 sin psi.
   const MohrCoulomb law = soil(0, 30, 10);
-  const double M = std::sqrt(3) * std::sin(30 * degree), M_psi = std::sqrt(3) * std::sin(10 * degree);
-  const double dilates = M_psi * 2 / std::sqrt(3) * 1e-3;
+  const double g = 1e-3, sine = std::sin(10 * degree), dilates = 2 * sine * g / (1 - sine / 3);
   const auto sheared = [&](double expansion) {
     State s = isotropic_state(law, 0, 0);
     T strain = T::isotropic(expansion / 3);
-    strain.xy = 1e-3;
+    strain.xy = g;
     law.update(s, strain_by(strain), implicit);
     return s;
   };
   const State less = sheared(0.99 * dilates), more = sheared(1.01 * dilates);
-  // On the cone p = K (M_psi d kappa - expansion) and q = 3 G (eps_d - d kappa) = M p; eliminating d kappa,
-  // p (1/K + M M_psi/(3 G)) = dilates - expansion
-  const double p = 0.01 * dilates / (1 / law.bulk_modulus() + M * M_psi / (3 * law.shear_modulus()));
+  // On the edge where s1 = s2 = s3/N, N = tan^2(45 + phi/2) = 3, the deviator -2 p (N - 1)/(N + 2) along s3 takes its part
+  // of the shear: p (1/K + 2 sin psi/(1 - sin psi/3) (N - 1)/((N + 2) G)) = dilates - expansion.
+  const double p =
+      0.01 * dilates / (1 / law.bulk_modulus() + 2 * sine / (1 - sine / 3) * 2 / (5 * law.shear_modulus()));
+  const double M = 6 * 0.5 / (3 - 0.5);  // of triaxial compression
   EXPECT_NEAR(pressure(less.stress), p, 1e-9 * p);
   EXPECT_NEAR(von_mises(deviator(less.stress)), M * p, 1e-9 * p);
   EXPECT_EQ(pressure(more.stress), 0);
