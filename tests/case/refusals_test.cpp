@@ -123,6 +123,43 @@ TEST_F(Refusal, ASolidThatIsNeverInTheDomain) {
   EXPECT_EQ(said([&] { read_case_text("case.toml", with_solid(comes)); }), "nothing");
 }
 
+TEST_F(Refusal, LoadsThatHaveNothingToActOn) {
+  const auto with_load = [](const std::string& keys) {
+    return slump("[run]", "[load.top]\nbody = \"column\"\n" + keys + "\n[run]");
+  };
+  const std::string right = "side = \"y_max\"\npressure = \"1 kPa\"";
+  EXPECT_EQ(said([&] { read_case_text("case.toml", with_load(right)); }), "nothing");
+  expect(replaced(with_load(right), "\"column\"\nside", "\"colum\"\nside"),
+         "load.top.body = \"colum\" is not among the bodies; there is column");
+  expect(with_load("side = \"z_max\"\npressure = \"1 kPa\""), "must be `x_min`, `x_max`, `y_min` or `y_max`");
+  expect(with_load(right + "\ntraction = [\"0 Pa\", \"-1 kPa\"]"),
+         "must have exactly one of `traction` and `pressure`");
+  expect(with_load(right + "\nfactors = [0, 1]"), "`times` is missing");
+  expect(with_load(right + "\nfactors = [0, 1]\ntimes = [\"1 s\", \"0 s\"]"), "must increase");
+  const std::string part = "\nwithin = { min = [\"-10 mm\", \"MIN\"], max = [\"10 mm\", \"60 mm\"] }";
+  EXPECT_EQ(said([&] { read_case_text("case.toml", with_load(right + replaced(part, "MIN", "45 mm"))); }), "nothing");
+  expect(with_load(right + replaced(part, "MIN", "55 mm")), "holds nothing of side `y_max` of body `column`");
+  expect(with_load(right + replaced(part, "MIN", "65 mm")), "must exceed `min` along y");
+  const std::string half =
+      replaced(slump("[run]", "[load.left]\nbody = \"column\"\nside = \"x_min\"\npressure = \"1 kPa\"\n[run]"),
+               "min = [\"-240 mm\"", "min = [\"0 mm\"");
+  expect(replaced(half, "[domain.walls]", "[domain.walls]\nx_min = \"symmetry\""),
+         "lies on a plane of symmetry or behind it");
+}
+
+TEST_F(Refusal, InitialStressesThatAreNoneOrThatTheMaterialDoesNotBear) {
+  const auto with_stress = [](const std::string& stress) {
+    return slump("initial_stress = \"k0\"", "initial_stress = " + stress);
+  };
+  EXPECT_EQ(
+      said([&] { read_case_text("case.toml", with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\", zz = \"-1 kPa\" }")); }),
+      "nothing");
+  expect(with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\" }"), "`zz` is missing");
+  expect(with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\", zz = \"-1 kPa\", zx = \"1 Pa\" }"), "zx");
+  expect(with_stress("{ xx = \"1 kPa\", yy = \"1 kPa\", zz = \"1 kPa\" }"),
+         "cannot be carried: the stress is tensile on average; grains without cohesion carry none");
+}
+
 TEST_F(Refusal, OutputThatNeverComesOrNeverEnds) {
   expect(slump("history = \"1 ms\"", "checkpoints = \"1 s\""),
          "output.checkpoints = \"1 s\" is longer than the run, 500 ms");

@@ -49,6 +49,7 @@ int list_everything() {
   fmt::print("\nSurfaces of solids (solid.NAME.contact)\n");
   for (const Choice& c : contact_choices) fmt::print("  {:<16} {}\n", c.word, c.meaning);
   print_choices("Initial stress (body.NAME.initial_stress)", initial_stress_choices);
+  print_choices("Sides of bodies (load.NAME.side)", side_choices);
   print_choices("Lattice of particles (body.NAME.lattice)", lattice_choices);
   fmt::print("\nQuantities told by every law\n");
   for (const Quantity& q : common_quantities)

@@ -45,13 +45,13 @@ inline constexpr Choice order_choices[] = {
     {"musl", "stress last, from the particles' new velocity given back to the nodes (Sulsky et al. 1995)"},
 };
 
-enum class InitialStress { k0, zero };
+enum class InitialStress { k0, zero, given };
 inline constexpr Choice initial_stress_choices[] = {
     {"k0",
      "at rest under its own weight and that of `k0` bodies above: vertical the sum of rho g z, "
      "horizontal K0 times that, K0 = 1 - sin(friction angle) (Jaky 1944)"},
     {"zero", "none"},
-};
+};  // what is `given` stands there as a table
 
 enum class Lattice { cells, corner };
 inline constexpr Choice lattice_choices[] = {
@@ -91,10 +91,29 @@ struct BodySpec {
   Lattice lattice = Lattice::cells;
   std::optional<double> void_ratio;
   InitialStress initial_stress = InitialStress::zero;
+  SymTensor<double> given_stress = SymTensor<double>::zero();  ///< [Pa], tension-positive, if `given`
   double scatter = 0;  ///< how far points stand off their places in the lattice, along each axis, over the spacing
   int seed = 1;        ///< of the scatter
   Vec<3> velocity{};   ///< of the middle of its mass [m/s]
   Vec<3> angular_velocity{};  ///< about the middle of its mass [rad/s]; in 2D its third component, positive from x to y
+};
+
+inline constexpr Choice side_choices[] = {
+    {"x_min", "where x is least"},   {"x_max", "where x is largest"}, {"y_min", "where y is least"},
+    {"y_max", "where y is largest"}, {"z_min", "where z is least"},   {"z_max", "where z is largest"},
+};
+
+/// A stress on one side of a body. Area and direction are those of the start: a dead load.
+struct SurfaceLoad {
+  std::string name;
+  int body = 0;                 ///< index into Case::bodies
+  int side = 0;                 ///< index into `side_choices`
+  Vec<3> traction{};            ///< force per area on the body [Pa]
+  LinearInTime<double> factor;  ///< multiplies it; 1 if empty
+  std::optional<Box> within{};  ///< only this part of the side [m]
+
+  /// Force per area at an instant [Pa].
+  Vec<3> at(double time) const { return factor.empty() ? traction : factor.at(time) * traction; }
 };
 
 struct Numerics {
@@ -151,6 +170,7 @@ struct Case {
   std::vector<Solid> solids;
   std::vector<Material> materials;
   std::vector<BodySpec> bodies;
+  std::vector<SurfaceLoad> loads;
   Numerics numerics;
   double end = 0;  ///< [s]
   OutputSpec output;

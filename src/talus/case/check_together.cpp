@@ -8,8 +8,8 @@
 #include <concepts>
 
 #include "talus/base/units.hpp"
-#include "talus/case/filling.hpp"
 #include "talus/case/start.hpp"
+#include "talus/case/surface_load.hpp"
 
 namespace talus {
 
@@ -90,6 +90,18 @@ void expect_apart(Section& s, const Solid& solid, const BodySpec& body, const st
                            fmt::join(&at[0], &at[0] + what.dim, ", "), with_unit(deepest, "m")));
 }
 
+/// Complains of loads on a body that find nothing of its side.
+void expect_loads_to_act(Section& root, const Case& what, int body, const Filling& particles) {
+  for (std::size_t i = 0; i < what.loads.size(); ++i) {
+    if (what.loads[i].body != body) continue;
+    const std::vector<double> areas = loaded_areas(what, what.loads[i], particles);
+    if (std::none_of(areas.begin(), areas.end(), [](double area) { return area > 0; }))
+      root.named_sections("load", "")[i].second.complain(
+          "within", fmt::format("holds nothing of side `{}` of body `{}`", side_choices[what.loads[i].side].word,
+                                what.bodies[std::size_t(body)].name));
+  }
+}
+
 }  // namespace
 
 void check_together(Section& root, const Case& what) {
@@ -116,11 +128,14 @@ void check_together(Section& root, const Case& what) {
       const Load load = overburden.on(filling.points[i], width_at_start(body, filling.volumes[i], what.dim));
       if (load.stress > most.stress) most = load;
     }
+    expect_loads_to_act(root, what, int(b), filling);
     particles[b] = std::move(filling.points);
     const auto speed = wave_speed_at_rest(what, body, most.stress);
     if (const auto* why = std::get_if<std::string>(&speed))
       s.complain("initial_stress",
-                 fmt::format("cannot be carried {} below the surface: {}", with_unit(most.depth, "m"), *why));
+                 body.initial_stress == InitialStress::k0
+                     ? fmt::format("cannot be carried {} below the surface: {}", with_unit(most.depth, "m"), *why)
+                     : fmt::format("cannot be carried: {}", *why));
     else
       signal = std::max(signal, std::get<double>(speed) + 1.3 * fastest_at_start(body, boxes[b]));
   }

@@ -345,6 +345,24 @@ double largest_particle(const BodySpec& body, int dim) {
   return largest;
 }
 
+/// A word, or the components of a stress that is the same everywhere.
+void read_initial_stress(Section& s, const Case& what, BodySpec& body) {
+  const Option option{"initial_stress", "stress at the start", initial_stress_choices};
+  if (!s.is_table(option.key)) {
+    body.initial_stress = InitialStress(s.required_choice(option));
+    return;
+  }
+  body.initial_stress = InitialStress::given;
+  Section t = s.section(option.key, option.meaning);
+  static constexpr const char* normal[] = {"xx", "yy", "zz"};
+  static constexpr const char* shear[] = {"xy", "yz", "zx"};
+  for (int k = 0; k < 3; ++k)
+    body.given_stress[k] = t.number({normal[k], "Pa", {}, "normal stress, tension positive, the same everywhere"});
+  for (int k = 0; k < (what.dim == 3 ? 3 : 1); ++k)
+    body.given_stress[3 + k] = t.number({shear[k], "Pa", {}, "shear stress, the same everywhere"}, 0.0);
+  t.close("a stress");
+}
+
 void read_bodies(Section& root, Case& what, const std::string& folder) {
   for (auto& [name, s] : root.named_sections("body", "the bodies, each a region filled with particles")) {
     BodySpec body;
@@ -407,8 +425,7 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
     const AnyLaw* law = body.material >= 0 ? &what.materials[body.material].law : nullptr;
     if (const std::optional<Range> range = law ? void_ratios_of(*law) : std::nullopt)
       body.void_ratio = s.number({"void_ratio", "1", *range, "void ratio at the start"});
-    body.initial_stress =
-        InitialStress(s.required_choice({"initial_stress", "stress at the start", initial_stress_choices}));
+    read_initial_stress(s, what, body);
 
     const Box box = bounding_box(body.region, what.dim), kept = kept_by_symmetry(what);
     for (int a = 0; a < what.dim; ++a)
@@ -604,6 +621,67 @@ void read_solids(Section& root, Case& what, const std::string& folder) {
   }
 }
 
+/// Complains of a load on a side that is not there to be loaded.
+void expect_free_side(Section& s, const Case& what, const SurfaceLoad& load) {
+  const int axis = load.side / 2;
+  const Box box = bounding_box(what.bodies[std::size_t(load.body)].region, what.dim), kept = kept_by_symmetry(what);
+  const double close = 1e-9 * what.cell;
+  const bool low = load.side % 2 == 0;
+  if (low ? box.min[axis] <= kept.min[axis] + close : box.max[axis] >= kept.max[axis] - close)
+    s.complain("side", "lies on a plane of symmetry or behind it");
+  else if (what.axisymmetric && load.side == 0 && box.min[0] <= close)
+    s.complain("side", "is the axis, which has no area");
+}
+
+/// What presses and pulls on the sides of bodies.
+void read_loads(Section& root, Case& what) {
+  if (!root.has("load")) return;
+  for (auto& [name, s] : root.named_sections("load", "stresses on the sides of bodies")) {
+    SurfaceLoad load;
+    load.name = name;
+    const std::string body = s.text("body", "name of the body that it acts on");
+    std::vector<std::string_view> names;
+    for (const BodySpec& b : what.bodies) names.push_back(b.name);
+    const auto found = std::find(names.begin(), names.end(), body);
+    load.body = int(found - names.begin());
+    if (found == names.end()) {
+      load.body = -1;
+      if (!body.empty())
+        s.complain("body", fmt::format("is not among the bodies; there is {}", fmt::join(names, ", ")));
+    } else if (std::holds_alternative<PointList>(what.bodies[std::size_t(load.body)].region)) {
+      s.complain("body", "has no sides: its particles are listed one by one");
+    }
+    load.side =
+        s.required_choice({"side", "side of the body", std::span(side_choices).first(2 * std::size_t(what.dim))});
+    if (load.body >= 0) expect_free_side(s, what, load);
+    expect_one_of(s, {"traction", "pressure"});
+    if (s.has("traction"))
+      load.traction =
+          vector_of(s.numbers({"traction", "Pa", {}, "force per area on the body, along each axis"}, what.dim));
+    if (s.has("pressure"))
+      load.traction[load.side / 2] =
+          (load.side % 2 == 0 ? 1 : -1) * s.number({"pressure", "Pa", {}, "force per area, straight into the body"});
+    if (s.has("times") || s.has("factors")) {
+      load.factor.times = s.numbers({"times", "s", Range::not_negative(), "instants at which factors are given"}, 0);
+      load.factor.values = s.numbers({"factors", "1", {}, "what the load is multiplied by then; linear between"}, 0);
+      expect_instants(s, "factors", "times", load.factor);
+    }
+    if (s.has("within")) {
+      Section w = s.section("within", "the part of the side that it acts on; without it, all");
+      load.within = Box{vector_of(w.numbers({"min", "m", {}, "lower corner"}, what.dim)),
+                        vector_of(w.numbers({"max", "m", {}, "upper corner"}, what.dim))};
+      for (int a = 0; a < what.dim; ++a)
+        if (w.is_right() && !(load.within->max[a] > load.within->min[a])) {
+          w.complain("max", fmt::format("must exceed `min` along {}", axis_names[a]));
+          break;
+        }
+      w.close("a part of space");
+    }
+    s.close("a load");
+    what.loads.push_back(std::move(load));
+  }
+}
+
 /// The default of `cfl`, and why: what a particle alone, pressed along all axes, bears at the worst place, dt < 2 sqrt(2/3)
 /// /sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines. uGIMP has
 /// 2/l + 1/(1 - l) with a half-width of l cells, 9.3 with two particles a cell and axis; it becomes the hat as l goes to
@@ -774,6 +852,7 @@ Case understand_case(Document& document, const std::string& folder) {
   read_materials(root, numerics.is_text("preset", "paper"), what);
   read_domain(root, what);
   read_bodies(root, what, folder);
+  read_loads(root, what);
   read_solids(root, what, folder);
   read_numerics(numerics, what);
   Section run = root.section("run", "how long");
@@ -801,7 +880,8 @@ double estimated_bytes(const Case& what) {
     const double of_a_particle = std::visit(
         [&]<class Law>(const Law&) {
           // stored: place, velocity, mass, volume, id, state; seen: what every law tells, and what this one does
-          double n = 2 * what.dim + 3 + state_size<Law> + (is_affine(what.numerics.transfer) ? what.dim * what.dim : 0);
+          double n = 2 * what.dim + 3 + state_size<Law> +
+                     (is_affine(what.numerics.transfer) ? what.dim * what.dim : 0) + double(what.loads.size());
           for (const Quantity& q : common_quantities) n += q.components;
           for (const Quantity& q : Law::quantities()) n += q.components;
           return n;

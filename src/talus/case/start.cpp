@@ -72,6 +72,7 @@ double Overburden::thickness(const PointList& list, const Columns& columns, cons
 InitialState initial_state(const Case& what, const BodySpec& body, double load) {
   InitialState initial;
   initial.void_ratio = body.void_ratio.value_or(0);
+  if (body.initial_stress == InitialStress::given) initial.stress = body.given_stress;
   if (body.initial_stress != InitialStress::k0) return initial;
   const double horizontal =
       std::visit([](const auto& law) { return law.earth_pressure_at_rest(); }, what.materials[body.material].law) *

@@ -52,8 +52,8 @@ class Overburden {
   std::vector<Layer> layers_;
 };
 
-/// What a particle starts from under a load [Pa]: K0 times it across, and where gravity leans, the shear stress that holds
-/// a layer of even thickness.
+/// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, the shear stress
+/// that holds a layer of even thickness.
 InitialState initial_state(const Case& what, const BodySpec& body, double load);
 
 /// Speed of compression waves there [m/s]; or why nothing can rest there.

@@ -17,6 +17,7 @@ struct Body {
   AnyLaw law;
   Particles<Dim> particles;
   std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
+  std::vector<SurfaceLoad> loads{};
 };
 
 namespace detail {

@@ -26,6 +26,7 @@ struct ParticleExtras {
   bool moment = false;    ///< transfer `apic`
   bool gradient = false;  ///< transfer `tpic`
   bool modulus = false;   ///< order `musl`
+  int loads = 0;          ///< how many act on sides of the body
 };
 
 /// The fields of a particle whose law remembers `n_state` numbers. Storage, sorting, restart and output all walk this
@@ -47,6 +48,7 @@ std::vector<ParticleField> particle_fields(int n_state, const ParticleExtras& ex
   add("state", n_state);       // what the law remembers
   add("velocity_moment", extras.moment ? Dim * Dim : 0);      // sum N_I v_I (x_I - x)^T [m2/s], row by row
   add("velocity_gradient", extras.gradient ? Dim * Dim : 0);  // [1/s], row by row
+  add("loaded_area", extras.loads);                           // [m2] of each loaded side, at the start
   add("wave_modulus", extras.modulus ? 1 : 0);                // volume times K + 4/3 G [J]
   return fields;
 }
@@ -83,6 +85,13 @@ class Particles {
   /// Component a of what velocity does along axis b around the particle: its moment or its gradient, whichever is kept.
   double* affine(int a, int b) { return columns_.column(2 * Dim + 3 + n_state_ + Dim * a + b); }
   const double* affine(int a, int b) const { return columns_.column(2 * Dim + 3 + n_state_ + Dim * a + b); }
+  /// What the particle stands for of the side that a load of the body acts on.
+  double* loaded_area(int load) {
+    return columns_.column(columns_.n_columns() - extras_.modulus - extras_.loads + load);
+  }
+  const double* loaded_area(int load) const {
+    return columns_.column(columns_.n_columns() - extras_.modulus - extras_.loads + load);
+  }
   /// Only with `extras().modulus`.
   double* wave_modulus() { return columns_.column(columns_.n_columns() - 1); }
   const double* wave_modulus() const { return columns_.column(columns_.n_columns() - 1); }

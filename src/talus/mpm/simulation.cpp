@@ -1,10 +1,11 @@
 #include "talus/mpm/simulation.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
-#include "talus/case/filling.hpp"
 #include "talus/case/start.hpp"
+#include "talus/case/surface_load.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
@@ -13,11 +14,16 @@ namespace talus {
 namespace {
 
 template <int Dim>
-Body<Dim> make_body(const Case& what, const BodySpec& spec, const Overburden& overburden, long first_id) {
+Body<Dim> make_body(const Case& what, int number, const Overburden& overburden, long first_id) {
+  const BodySpec& spec = what.bodies[number];
   const Material& material = what.materials[spec.material];
-  const auto [points, volumes] = fill(what, spec);
+  const Filling filling = fill(what, spec);
+  const auto& [points, volumes] = filling;
   if (points.empty())
     throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
+  std::vector<SurfaceLoad> loads;
+  for (const SurfaceLoad& load : what.loads)
+    if (load.body == number) loads.push_back(load);
   // The start is made by the law that the run goes on with, so that its elastic strains fit its stress.
   const AnyLaw scaled = with_scaled_stiffness(material.law, what.numerics.stiffness_factor);
   return std::visit(
@@ -25,8 +31,8 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, const Overburden& ov
         const int n = int(points.size());
         const Numerics& numerics = what.numerics;
         const ParticleExtras extras{numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
-                                    numerics.order == Order::musl};
-        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>, extras), {}};
+                                    numerics.order == Order::musl, int(loads.size())};
+        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(state_size<Law>, extras), {}, loads};
         Particles<Dim>& p = body.particles;
         p.resize(n);
         const double density = bulk_density(material, spec);
@@ -54,6 +60,8 @@ Body<Dim> make_body(const Case& what, const BodySpec& spec, const Overburden& ov
           set_state<Law>(p, i, at_rest);
           if (extras.modulus) p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, numerics.integration);
         }
+        for (std::size_t k = 0; k < loads.size(); ++k)
+          std::ranges::copy(loaded_areas(what, loads[k], filling), p.loaded_area(int(k)));
         return body;
       },
       scaled);
@@ -76,8 +84,8 @@ std::unique_ptr<Simulation> make(const Case& what, Loop& loop) {
   std::vector<Body<Dim>> bodies;
   const Overburden overburden(what);
   long n = 0;
-  for (const BodySpec& spec : what.bodies) {
-    bodies.push_back(make_body<Dim>(what, spec, overburden, n));
+  for (std::size_t b = 0; b < what.bodies.size(); ++b) {
+    bodies.push_back(make_body<Dim>(what, int(b), overburden, n));
     n += bodies.back().particles.size();
   }
   const auto with = [&]<class Shape>(std::vector<Shape> shapes) {

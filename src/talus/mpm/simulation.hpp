@@ -44,11 +44,13 @@ struct Ledger {
   double wall_work = 0;
   Vec<3> wall_impulse{};       ///< what walls and solids have given to the material since the start [N s]
   Vec<3> gravity_impulse{};    ///< what gravity has given to it [N s]
+  double load_work = 0;        ///< of loads on sides of bodies since the start
+  Vec<3> load_impulse{};       ///< what they have given to the material [N s]
   Outflow outflow;             ///< through sides that let out
   double initial = 0;          ///< kinetic, potential and elastic energy at the start
   double initial_elastic = 0;  ///< the elastic part of it
   /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, what has left with
-  /// both, or moving solids ever given or taken: what losses and errors are measured by.
+  /// both, or moving solids or loads ever given or taken: what losses and errors are measured by.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   long n_separated = 0;    ///< particles whose grains have moved apart
@@ -58,7 +60,7 @@ struct Ledger {
   /// joule.
   double error() const {
     return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work +
-           outflow.kinetic + outflow.potential + outflow.elastic - initial;
+           outflow.kinetic + outflow.potential + outflow.elastic - load_work - initial;
   }
 };
 

@@ -76,7 +76,7 @@ class Stepper final : public Simulation {
       accelerate_nodes(dt);
       move_particles(dt, alpha);
     } else {
-      give_present_forces(alpha);
+      give_present_forces(dt, alpha);
       accelerate_nodes(dt);
       speed_up_particles(dt, alpha);
       find_node_velocities(alpha);
@@ -86,7 +86,8 @@ class Stepper final : public Simulation {
     const double kinetic = ledger_.kinetic + ledger_.outflow.kinetic;
     const double released =
         ledger_.initial - ledger_.initial_elastic - kinetic - ledger_.potential - ledger_.outflow.potential;
-    ledger_.turnover = std::max({ledger_.turnover, kinetic, std::abs(released), std::abs(ledger_.wall_work)});
+    ledger_.turnover = std::max(
+        {ledger_.turnover, kinetic, std::abs(released), std::abs(ledger_.wall_work), std::abs(ledger_.load_work)});
     ledger_.dt = last_dt_ = dt;
     ledger_.time += dt;
     unfiltered_ += dt;
@@ -248,13 +249,16 @@ class Stepper final : public Simulation {
         s.resize(tile.size());
         take_gradients(body, t, velocity, s);
         update_stress(body.law, body.particles, tile, cells_of(t), how, s, sums);
-        if (stress_first)
+        if (stress_first) {
           give_forces(body, t, s);
-        else
+          give_loads(body, t, sums);
+        } else {
           std::copy_n(s.stiffness.begin(), tile.size(), body.particles.wave_modulus() + tile.begin);
+        }
       }
     });
     ledger_.wall_impulse = ledger_.wall_impulse + (1 - alpha) * total.wall_impulse;
+    ledger_.load_impulse = ledger_.load_impulse + dt * total.load_force;
     ledger_.elastic = total.elastic;
     ledger_.plastic += total.plastic_work;
     ledger_.averaging += total.averaging;
@@ -310,7 +314,7 @@ class Stepper final : public Simulation {
   }
 
   /// f_I = -sum V sigma grad N of the stress as it is (musl).
-  void give_present_forces(double alpha) {
+  void give_present_forces(double dt, double alpha) {
     const TileSums total = over_tiles([&](int t, int worker, TileSums& sums) {
       account_walls(t, grid_.velocity(t), zero_node(), sums);
       if (!grid_.tile(t).occupied) return;
@@ -323,9 +327,11 @@ class Stepper final : public Simulation {
         present_stress(body.law, body.particles, tile, s);
         std::copy_n(body.particles.wave_modulus() + tile.begin, tile.size(), s.stiffness.begin());
         give_forces(body, t, s);
+        give_loads(body, t, sums);
       }
     });
     ledger_.wall_impulse = ledger_.wall_impulse + (1 - alpha) * total.wall_impulse;
+    ledger_.load_impulse = ledger_.load_impulse + dt * total.load_force;
   }
 
   /// v_p from the nodes, and back to them with the same weights (musl).
@@ -350,6 +356,7 @@ class Stepper final : public Simulation {
     const TileSums total = over_tiles([&](int t, int, TileSums& sums) {
       if (stress_first) account_walls(t, grid_.acceleration(t), gravity, sums);
       if (!grid_.tile(t).occupied) return;
+      sums.load_power += power_of_loads(t);
       if (stress_first)
         advance<Advance::both>(t, dt, alpha);
       else
@@ -362,6 +369,8 @@ class Stepper final : public Simulation {
     take(total);
     ledger_.wall_impulse = ledger_.wall_impulse + dt * total.wall_impulse;
     ledger_.numerical -= ledger_.kinetic + ledger_.potential;
+    ledger_.load_work += dt * total.load_power;
+    ledger_.numerical += dt * total.load_power;  // in place of what nodes have gained by it, which counts as kinetic
     if (total.bad) stop_outside();
     if (reorder) {
       if (numerics_.particle_shifting) shift_particles();
@@ -526,6 +535,64 @@ class Stepper final : public Simulation {
       gained += share * (mass * nodal[i] - from_points);
     }
     sums.wall_impulse = sums.wall_impulse + vector_of(gained);
+  }
+
+  // ---- loads on sides of bodies ----------------------------------------------------------------------------------
+
+  /// Weights of the place where a particle of a body ends, `reach` cells along an axis from its middle, on the particle's own
+  /// nodes: others may have no mass. Where that place touches others, N goes on to it along its tangent.
+  FourWeights<Dim, Shape> weights_at_end(const Body<Dim>& body, int i, int t, int axis, double reach) const {
+    FourPlaces<Dim> x = domain_.in_cells(body.particles.places(i, 1));
+    FourWeights<Dim, Shape> w{x, grid_.tile(t).place, shape_of(body)};
+    x[axis] += Quad(reach);
+    const FourWeights<Dim, Shape> there{x, grid_.tile(t).place, shape_of(body)};
+    bool touches_others = there.first[0] != w.first[0];
+    for (int n = 0; n < Shape::support; ++n) touches_others |= w.N[axis][n][0] < 1e-6 && there.N[axis][n][0] > 1e-6;
+    if (!touches_others) return there;
+    for (int n = 0; n < Shape::support; ++n) w.N[axis][n][0] += reach * w.dN[axis][n][0];
+    return w;
+  }
+
+  /// Calls f(force, weights) for what loads press with on the particles of a tile at the start of this step [N]. They press
+  /// on the side, half a spacing outside the particles: pressed on their middles, the outermost would bear half the stress.
+  template <class F>
+  void for_each_loaded(const Body<Dim>& body, int t, F f) const {
+    for (std::size_t k = 0; k < body.loads.size(); ++k) {
+      const Vec<3> traction = body.loads[k].at(ledger_.time);
+      const double* area = body.particles.loaded_area(int(k));
+      const int axis = body.loads[k].side / 2;
+      const double reach = (body.loads[k].side % 2 == 0 ? -0.5 : 0.5) * body.spacing / domain_.h;
+      for (int i = body.tiles[t].begin; i < body.tiles[t].end; ++i) {
+        if (area[i] == 0) continue;
+        const auto w = weights_at_end(body, i, t, axis, reach);
+        f(area[i] * traction, ParticleWeights<Dim, Shape>{w, 0});
+      }
+    }
+  }
+
+  /// f_I = N F of what presses and pulls on the sides of a body.
+  void give_loads(const Body<Dim>& body, int t, TileSums& sums) {
+    for_each_loaded(body, t, [&](const Vec<3>& force, const ParticleWeights<Dim, Shape>& w) {
+      NodeValue at_nodes = zero_node();
+      set_vector(at_nodes, force);
+      scatter(w, at_nodes, grid_.window(t));
+      sums.load_force = sums.load_force + force;
+    });
+  }
+
+  /// Power of the loads on the sides that a tile's particles stand for, as their strain has them go [W].
+  double power_of_loads(int t) const {
+    double power = 0;
+    if (std::all_of(bodies_.begin(), bodies_.end(), [](const Body<Dim>& body) { return body.loads.empty(); })) return 0;
+    NodeValue velocity[Layout::n_window];
+    grid_.fill_window(t, grid_.velocity(), velocity);
+    for (const auto& body : bodies_)
+      for_each_loaded(body, t, [&](const Vec<3>& force, const ParticleWeights<Dim, Shape>& w) {
+        NodeValue v, same;
+        interpolate(w, velocity, velocity, v, same);
+        power += dot(force, vector_of(v));
+      });
+    return power;
   }
 
   // ---- one tile --------------------------------------------------------------------------------------------------

@@ -23,6 +23,8 @@ struct TileSums {
   Vec<3> wall_impulse{};        ///< what nodes gained from walls and solids [kg m/s], or of it a second [N]
   double wall_work = 0;         ///< that moving solids did in this step [J]
   double wall_friction = 0;     ///< that became heat at walls and solids [J]
+  double load_power = 0;        ///< of loads on sides of bodies [W]
+  Vec<3> load_force{};          ///< of these loads [N]
   double mass = 0;              ///< [kg]
   double wave_speed2 = 0;       ///< largest squared speed of compression waves at a node [m2/s2]
   double viscosity = 0;         ///< largest kinematic viscosity [m2/s]
@@ -51,6 +53,8 @@ inline void TileSums::add(const TileSums& o) {
   wall_impulse = wall_impulse + o.wall_impulse;
   wall_work += o.wall_work;
   wall_friction += o.wall_friction;
+  load_power += o.load_power;
+  load_force = load_force + o.load_force;
   mass += o.mass;
   wave_speed2 = std::max(wave_speed2, o.wave_speed2);
   viscosity = std::max(viscosity, o.viscosity);

@@ -18,7 +18,9 @@ struct Column {
   double (*value)(const Ledger&, const Outline&);
 };
 
-std::vector<Column> columns_for(int dim, bool axisymmetric, bool outflow) {
+std::vector<Column> columns_for(const Case& what) {
+  const int dim = what.dim;
+  const bool axisymmetric = what.axisymmetric;
   std::vector<Column> c = {
       {"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
       {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
@@ -66,7 +68,13 @@ std::vector<Column> columns_for(int dim, bool axisymmetric, bool outflow) {
       {"unconverged_returns", [](const Ledger& l, const Outline&) { return double(l.n_unconverged); }},
   };
   c.insert(c.end(), rest.begin(), rest.end());
-  if (!outflow) return c;
+  const std::vector<Column> of_loads = {
+      {"work_of_loads [J]", [](const Ledger& l, const Outline&) { return l.load_work; }},
+      {"load_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[0]; }},
+      {"load_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[1]; }},
+      {"load_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[2]; }},
+  };
+  if (!what.loads.empty()) c.insert(c.end(), of_loads.begin(), of_loads.end());
   const std::vector<Column> of_outflow = {
       {"outflow_mass [kg]", [](const Ledger& l, const Outline&) { return l.outflow.mass; }},
       {"outflow_momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[0]; }},
@@ -79,7 +87,7 @@ std::vector<Column> columns_for(int dim, bool axisymmetric, bool outflow) {
       {"gravity_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[1]; }},
       {"gravity_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[2]; }},
   };
-  c.insert(c.end(), of_outflow.begin(), of_outflow.end());
+  if (has_outflow(what)) c.insert(c.end(), of_outflow.begin(), of_outflow.end());
   return c;
 }
 
@@ -124,14 +132,13 @@ int GrowingTable::column(const std::string& name) const {
 }
 
 History::History(const std::filesystem::path& file, const Case& what, long bytes)
-    : GrowingTable(file, names_of(columns_for(what.dim, what.axisymmetric, has_outflow(what))), bytes),
-      dim_(what.dim),
-      axisymmetric_(what.axisymmetric),
-      outflow_(has_outflow(what)) {}
+    : GrowingTable(file, names_of(columns_for(what)), bytes) {
+  for (const Column& c : columns_for(what)) values_.push_back(c.value);
+}
 
 void History::add(const Ledger& ledger, const Outline& outline) {
   std::vector<double> row;
-  for (const Column& c : columns_for(dim_, axisymmetric_, outflow_)) row.push_back(c.value(ledger, outline));
+  for (const auto& value : values_) row.push_back(value(ledger, outline));
   GrowingTable::add({row});
 }
 
@@ -188,8 +195,10 @@ std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
        1,
        {{column("separated_particles"), "separated particles"}}},
   };
-  if (column("outflow_mass [kg]") == 0) return charts;
   Chart& energy = *std::find_if(charts.begin(), charts.end(), [](const Chart& c) { return c.name == "energy"; });
+  if (column("work_of_loads [J]") > 0)
+    energy.curves.insert(energy.curves.end() - 1, {column("work_of_loads [J]"), "work of loads"});
+  if (column("outflow_mass [kg]") == 0) return charts;
   energy.curves.insert(energy.curves.begin() + 1, {column("outflow_kinetic_energy [J]"), "kinetic, flowed out"});
   charts.insert(charts.begin() + 2,
                 {"outflow",

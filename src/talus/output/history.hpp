@@ -44,8 +44,7 @@ class History : public GrowingTable {
   void add(const Ledger& ledger, const Outline& outline);
 
  private:
-  int dim_;
-  bool axisymmetric_, outflow_;
+  std::vector<double (*)(const Ledger&, const Outline&)> values_;  ///< of the columns
 };
 
 /// surface.csv, the thickness of the material at the instants of snapshots: a row a strip of ground, or a ring.

@@ -75,6 +75,13 @@ std::string in_words(const Case& what) {
                         size(bounding_box(body.region, what.dim)), material.name,
                         std::visit([](const auto& law) { return std::string(law.name); }, material.law), apart);
   }
+  for (const SurfaceLoad& load : what.loads) {
+    std::vector<std::string> stresses;
+    for (int a = 0; a < what.dim; ++a) stresses.push_back(with_unit(load.traction[a], "Pa"));
+    text += fmt::format(" On side {} of `{}` acts ({}){}{}.", side_choices[load.side].word, what.bodies[load.body].name,
+                        fmt::join(stresses, ", "), load.within ? ", on a part of it" : "",
+                        load.factor.empty() ? "" : ", which changes in time");
+  }
   std::vector<std::string> walls;
   for (int side = 0; side < 2 * what.dim; ++side)
     if (what.walls[side].kind != WallKind::open)
@@ -305,6 +312,10 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
       {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
       {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
       {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  if (l.load_impulse != Vec<3>{}) {
+    record["ledger_joule"]["work_of_loads"] = l.load_work;
+    record["load_impulse_newton_second"] = {l.load_impulse[0], l.load_impulse[1], l.load_impulse[2]};
+  }
   if (l.outflow.mass > 0)
     record["outflow"] = {
         {"mass_kilogram", l.outflow.mass},
@@ -415,6 +426,7 @@ void write_report(const std::filesystem::path& folder, const Case& what, const R
   energy("was lost in the transfers between particles and grid", l.numerical);
   energy("became heat by friction on walls and solids", l.wall_friction);
   energy("was work on moving solids (negative: they pushed)", l.wall_work);
+  if (!what.loads.empty()) energy("was put in by loads on sides of bodies", l.load_work);
   if (has_outflow(what)) energy("left as kinetic energy of what flowed out", l.outflow.kinetic);
   energy("is not accounted for", -l.error());
   page << "</table>\n";

@@ -1,0 +1,46 @@
+#include "talus/case/surface_load.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace talus {
+
+std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, const Filling& particles) {
+  const BodySpec& body = what.bodies[load.body];
+  const int axis = load.side / 2;
+  const double outwards = load.side % 2 == 0 ? -1 : 1, half = 0.5 * body.spacing;
+  const Vec<3> corner = bounding_box(body.region, what.dim).min;
+  const double to_middle = body.lattice == Lattice::cells ? 0 : 0.5;
+
+  std::map<std::array<int, 3>, std::size_t> outermost;  // of every row
+  for (std::size_t i = 0; i < particles.points.size(); ++i) {
+    const Vec<3>& x = particles.points[i];
+    std::array<int, 3> row{};
+    for (int a = 0; a < what.dim; ++a)
+      if (a != axis) row[std::size_t(a)] = int(std::floor((x[a] - corner[a]) / body.spacing + to_middle));
+    const auto [found, is_new] = outermost.try_emplace(row, i);
+    if (!is_new && outwards * (x[axis] - particles.points[found->second][axis]) > 0) found->second = i;
+  }
+
+  std::vector<double> areas(particles.points.size(), 0.0);
+  for (const auto& [row, i] : outermost) {
+    const Vec<3>& x = particles.points[i];
+    const double surface = x[axis] + outwards * half;
+    double area = particles.volumes[i] / body.spacing;
+    if (what.axisymmetric && axis == 0) area *= surface / x[0];  // volumes are per radian, at the particle's radius
+    if (load.within)
+      for (int a = 0; a < what.dim; ++a) {
+        const double low = load.within->min[a], high = load.within->max[a];
+        if (a == axis)
+          area *= surface >= low - half && surface <= high + half;
+        else
+          area *= std::max(0.0, std::min(high, x[a] + half) - std::max(low, x[a] - half)) / body.spacing;
+      }
+    areas[i] = area;
+  }
+  return areas;
+}
+
+}  // namespace talus
