@@ -50,7 +50,8 @@ double total(const std::vector<double>& areas) {
 }
 
 class Loads : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Dim, Loads, testing::Values(2, 3), [](const auto& p) { return std::to_string(p.param) + "d"; });
+INSTANTIATE_TEST_SUITE_P(Dim, Loads, testing::Values(2, 3),
+                         [](const auto& p) { return std::to_string(p.param) + "d"; });
 
 TEST_P(Loads, ActOnTheWholeAreaOfASideOrOnAPartOfIt) {
   const int dim = GetParam();
@@ -124,8 +125,8 @@ TEST_P(Loads, ThatBalanceTheStressABodyBeginsWithMoveNothing) {
   const int dim = GetParam();
   Case what = weightless(dim);
   what.bodies[0].initial_stress = InitialStress::given;
-  what.bodies[0].given_stress =
-      dim == 2 ? SymTensor<double>{-3000, -1000, -2000, 500, 0, 0} : SymTensor<double>{-3000, -1000, -2000, 500, 200, -100};
+  what.bodies[0].given_stress = dim == 2 ? SymTensor<double>{-3000, -1000, -2000, 500, 0, 0}
+                                         : SymTensor<double>{-3000, -1000, -2000, 500, 200, -100};
   const SymTensor<double>& s = what.bodies[0].given_stress;
   const Vec<3> columns[] = {{s[0], s[3], s[5]}, {s[3], s[1], s[4]}, {s[5], s[4], s[2]}};
   for (int a = 0; a < dim; ++a) {
