@@ -140,6 +140,8 @@ TEST_F(Refusal, LoadsThatHaveNothingToActOn) {
   EXPECT_EQ(said([&] { read_case_text("case.toml", with_load(right + replaced(part, "MIN", "45 mm"))); }), "nothing");
   expect(with_load(right + replaced(part, "MIN", "55 mm")), "holds nothing of side `y_max` of body `column`");
   expect(with_load(right + replaced(part, "MIN", "65 mm")), "must exceed `min` along y");
+  expect(replaced(with_load(right), "void_ratio = 0.85", "void_ratio = 0.85\nlattice = \"corner\""),
+         "must have lattice = \"cells\"");
   const std::string half =
       replaced(slump("[run]", "[load.left]\nbody = \"column\"\nside = \"x_min\"\npressure = \"1 kPa\"\n[run]"),
                "min = [\"-240 mm\"", "min = [\"0 mm\"");

@@ -73,6 +73,12 @@ TEST(LoadedAreas, AreThoseThatASideShowsAlongItsAxis) {
   Case what = weightless(3);
   what.bodies[0].region = Cylinder{{2, 2, 1}, 0.5, 1};
   EXPECT_NEAR(total(loaded_areas(what, load(z_max, {}), fill(what, what.bodies[0]))), std::numbers::pi / 4, 1e-12);
+  // Of sizes that are no multiples of the spacing, 0.05 m, all the same.
+  what = weightless(2);
+  what.bodies[0].region = Box{{1, 1, 0}, {1.49, 2.03, 0}};
+  const Filling odd = fill(what, what.bodies[0]);
+  EXPECT_NEAR(total(loaded_areas(what, load(y_max, {}), odd)), 0.49, 1e-12);
+  EXPECT_NEAR(total(loaded_areas(what, load(x_max, {}), odd)), 1.03, 1e-12);
   // Around an axis, per radian: a ring's top, its outside, its inside.
   what = weightless(2);
   what.axisymmetric = true;

@@ -18,6 +18,11 @@ Box kept_by_symmetry(const Case& what) {
   return kept;
 }
 
+int lattice_planes(const BodySpec& body, const Box& box, int axis) {
+  const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
+  return int(std::floor((box.max[axis] - box.min[axis]) / body.spacing - offset + 1e-9)) + 1;
+}
+
 double lattice_places(const Case& what, const BodySpec& body) {
   if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
   const Box box = bounding_box(body.region, what.dim);
@@ -64,8 +69,7 @@ Filling fill(const Case& what, const BodySpec& body) {
     return beyond || !contains(body.region, x, what.dim) ? place : x;
   };
   Index<3> n{1, 1, 1};
-  for (int a = 0; a < what.dim; ++a)
-    n[a] = int(std::floor((box.max[a] - box.min[a]) / body.spacing - offset + 1e-9)) + 1;
+  for (int a = 0; a < what.dim; ++a) n[a] = lattice_planes(body, box, a);
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i) {

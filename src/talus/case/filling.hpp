@@ -15,6 +15,9 @@ struct Filling {
                 ///< an axis per radian
 };
 
+/// How many planes of the lattice across an axis a body has.
+int lattice_planes(const BodySpec& body, const Box& box, int axis);
+
 /// Places of the lattice that `fill` looks at, or points that the body lists.
 double lattice_places(const Case& what, const BodySpec& body);
 

@@ -650,6 +650,8 @@ void read_loads(Section& root, Case& what) {
         s.complain("body", fmt::format("is not among the bodies; there is {}", fmt::join(names, ", ")));
     } else if (std::holds_alternative<PointList>(what.bodies[std::size_t(load.body)].region)) {
       s.complain("body", "has no sides: its particles are listed one by one");
+    } else if (what.bodies[std::size_t(load.body)].lattice == Lattice::corner) {
+      s.complain("body", "must have lattice = \"cells\": loads act half a spacing outside particles");
     }
     load.side =
         s.required_choice({"side", "side of the body", std::span(side_choices).first(2 * std::size_t(what.dim))});

@@ -11,15 +11,16 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
   const BodySpec& body = what.bodies[load.body];
   const int axis = load.side / 2;
   const double outwards = load.side % 2 == 0 ? -1 : 1, half = 0.5 * body.spacing;
-  const Vec<3> corner = bounding_box(body.region, what.dim).min;
-  const double to_middle = body.lattice == Lattice::cells ? 0 : 0.5;
+  const Box box = bounding_box(body.region, what.dim);
+  // The particles share the volume of the body: what each has of it along the axis may differ from the spacing.
+  const double depth = (box.max[axis] - box.min[axis]) / lattice_planes(body, box, axis);
 
   std::map<std::array<int, 3>, std::size_t> outermost;  // of every row
   for (std::size_t i = 0; i < particles.points.size(); ++i) {
     const Vec<3>& x = particles.points[i];
     std::array<int, 3> row{};
     for (int a = 0; a < what.dim; ++a)
-      if (a != axis) row[std::size_t(a)] = int(std::floor((x[a] - corner[a]) / body.spacing + to_middle));
+      if (a != axis) row[std::size_t(a)] = int(std::floor((x[a] - box.min[a]) / body.spacing));
     const auto [found, is_new] = outermost.try_emplace(row, i);
     if (!is_new && outwards * (x[axis] - particles.points[found->second][axis]) > 0) found->second = i;
   }
@@ -28,7 +29,7 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
   for (const auto& [row, i] : outermost) {
     const Vec<3>& x = particles.points[i];
     const double surface = x[axis] + outwards * half;
-    double area = particles.volumes[i] / body.spacing;
+    double area = particles.volumes[i] / depth;
     if (what.axisymmetric && axis == 0) area *= surface / x[0];  // volumes are per radian, at the particle's radius
     if (load.within)
       for (int a = 0; a < what.dim; ++a) {
