@@ -135,6 +135,7 @@ TEST_F(Refusal, LoadsThatHaveNothingToActOn) {
   expect(with_load(right + "\ntraction = [\"0 Pa\", \"-1 kPa\"]"),
          "must have exactly one of `traction` and `pressure`");
   expect(with_load(right + "\nfactors = [0, 1]"), "`times` is missing");
+  expect(with_load(right + "\nfactors = []\ntimes = []"), "name no instant");
   expect(with_load(right + "\nfactors = [0, 1]\ntimes = [\"1 s\", \"0 s\"]"), "must increase");
   const std::string part = "\nwithin = { min = [\"-10 mm\", \"MIN\"], max = [\"10 mm\", \"60 mm\"] }";
   EXPECT_EQ(said([&] { read_case_text("case.toml", with_load(right + replaced(part, "MIN", "45 mm"))); }), "nothing");
@@ -156,6 +157,7 @@ TEST_F(Refusal, InitialStressesThatAreNoneOrThatTheMaterialDoesNotBear) {
   EXPECT_EQ(
       said([&] { read_case_text("case.toml", with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\", zz = \"-1 kPa\" }")); }),
       "nothing");
+  expect(with_stress("3"), "must be `k0` or `zero`: stress at the start; or a table of its components");
   expect(with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\" }"), "`zz` is missing");
   expect(with_stress("{ xx = \"-1 kPa\", yy = \"-1 kPa\", zz = \"-1 kPa\", zx = \"1 Pa\" }"), "zx");
   expect(with_stress("{ xx = \"1 kPa\", yy = \"1 kPa\", zz = \"1 kPa\" }"),

@@ -196,6 +196,8 @@ void expect_instants(Section& s, std::string_view values, std::string_view times
   else if (const auto at = std::adjacent_find(f.times.begin(), f.times.end(), std::greater_equal());
            at != f.times.end())
     s.complain(times, fmt::format("must increase: {} follows {}", with_unit(at[1], "s"), with_unit(at[0], "s")));
+  else if (f.times.empty() && s.is_right())
+    s.complain(times, "name no instant");
   else
     return;
   f = {};
@@ -347,7 +349,9 @@ double largest_particle(const BodySpec& body, int dim) {
 
 /// A word, or the components of a stress that is the same everywhere.
 void read_initial_stress(Section& s, const Case& what, BodySpec& body) {
-  const Option option{"initial_stress", "stress at the start", initial_stress_choices};
+  const Option option{"initial_stress",
+                      "stress at the start; or a table of its components, { xx = \"-1 kPa\", yy = ..., zz = ... }",
+                      initial_stress_choices};
   if (!s.is_table(option.key)) {
     body.initial_stress = InitialStress(s.required_choice(option));
     return;
@@ -457,7 +461,7 @@ void read_bodies(Section& root, Case& what, const std::string& folder) {
         s.complain("angular_velocity",
                    fmt::format("turns the body through the plane of symmetry across {}", axis_names[a]));
     }
-    if (body.initial_stress == InitialStress::k0) {
+    if (s.is_text("initial_stress", "k0")) {
       if (what.gravity[what.dim - 1] >= 0)
         s.complain("initial_stress", fmt::format("k0 needs gravity, downwards along {}", axis_names[what.dim - 1]));
       if (law && !has_lasting_contacts(*law))
