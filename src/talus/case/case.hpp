@@ -51,7 +51,7 @@ inline constexpr Choice initial_stress_choices[] = {
      "at rest under its own weight and that of `k0` bodies above: vertical the sum of rho g z, "
      "horizontal K0 times that, K0 = 1 - sin(friction angle) (Jaky 1944)"},
     {"zero", "none"},
-};  // what is `given` stands there as a table
+};  // `given` has no word: in the file it is a table of components
 
 enum class Lattice { cells, corner };
 inline constexpr Choice lattice_choices[] = {

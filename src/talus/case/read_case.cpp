@@ -633,6 +633,9 @@ void expect_free_side(Section& s, const Case& what, const SurfaceLoad& load) {
   const bool low = load.side % 2 == 0;
   if (low ? box.min[axis] <= kept.min[axis] + close : box.max[axis] >= kept.max[axis] - close)
     s.complain("side", "lies on a plane of symmetry or behind it");
+  else if (what.walls[load.side].kind == WallKind::periodic &&
+           (low ? box.min[axis] <= what.domain.min[axis] + close : box.max[axis] >= what.domain.max[axis] - close))
+    s.complain("side", "lies on a periodic side of the domain, where the body goes on");
   else if (what.axisymmetric && load.side == 0 && box.min[0] <= close)
     s.complain("side", "is the axis, which has no area");
 }

@@ -11,7 +11,7 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
   const BodySpec& body = what.bodies[load.body];
   const int axis = load.side / 2;
   const double outwards = load.side % 2 == 0 ? -1 : 1, half = 0.5 * body.spacing;
-  const Box box = bounding_box(body.region, what.dim);
+  const Box box = bounding_box(body.region, what.dim), kept = kept_by_symmetry(what);
   // The particles share the volume of the body: what each has of it along the axis may differ from the spacing.
   const double depth = (box.max[axis] - box.min[axis]) / lattice_planes(body, box, axis);
 
@@ -34,10 +34,17 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
     if (load.within)
       for (int a = 0; a < what.dim; ++a) {
         const double low = load.within->min[a], high = load.within->max[a];
-        if (a == axis)
+        if (a == axis) {
           area *= surface >= low - half && surface <= high + half;
-        else
-          area *= std::max(0.0, std::min(high, x[a] + half) - std::max(low, x[a] - half)) / body.spacing;
+          continue;
+        }
+        // The share of the row's cell, or of what planes of symmetry leave of it; of a ring, around an axis.
+        const double from = std::max(kept.min[a], box.min[a] + row[std::size_t(a)] * body.spacing),
+                     to = std::min(kept.max[a], box.min[a] + (row[std::size_t(a)] + 1) * body.spacing);
+        const auto size = [&](double x0, double x1) {
+          return x1 <= x0 ? 0 : what.axisymmetric && a == 0 ? x1 * x1 - x0 * x0 : x1 - x0;
+        };
+        area *= size(std::max(from, low), std::min(to, high)) / size(from, to);
       }
     areas[i] = area;
   }

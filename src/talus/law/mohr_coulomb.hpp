@@ -110,7 +110,8 @@ struct MohrCoulomb : CohesiveFriction {
 
     const R f_face = max(f(t[0], t[2]), zero), face = f_face * R(1 / by_own);
     const R on_face[3] = {t[0] - R(taken) * face, t[1] + R(between) * face, t[2] + R(given) * face};
-    const mask_t<R> is_face = (on_face[0] >= on_face[1]) & (on_face[1] >= on_face[2]);
+    // Where nothing flows, roundings may have changed the order of equal ones.
+    const mask_t<R> is_face = (f_face <= zero) | ((on_face[0] >= on_face[1]) & (on_face[1] >= on_face[2]));
 
     // An edge: of extension, where the two lesser stresses are equal, or of compression, where the greater ones are.
     const mask_t<R> extends = R(1 - sin_psi) * t[0] - R(2.0) * t[1] + R(1 + sin_psi) * t[2] > zero;

@@ -60,8 +60,12 @@ Body<Dim> make_body(const Case& what, int number, const Overburden& overburden, 
           set_state<Law>(p, i, at_rest);
           if (extras.modulus) p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, numerics.integration);
         }
-        for (std::size_t k = 0; k < loads.size(); ++k)
-          std::ranges::copy(loaded_areas(what, loads[k], filling), p.loaded_area(int(k)));
+        for (std::size_t k = 0; k < loads.size(); ++k) {
+          const std::vector<double> areas = loaded_areas(what, loads[k], filling);
+          if (std::ranges::none_of(areas, [](double area) { return area > 0; }))
+            throw InputError("load `" + loads[k].name + "` finds nothing of its side of body `" + spec.name + "`");
+          std::ranges::copy(areas, p.loaded_area(int(k)));
+        }
         return body;
       },
       scaled);

@@ -57,6 +57,8 @@ class Stepper final : public Simulation {
       if (const auto contact = contact_stiffening(body)) contacts_.push_back(*contact);
     for (const auto& body : bodies_)
       wave_speed_ = std::max(wave_speed_, fastest_wave(body, numerics_.integration).speed);
+    for (const auto& body : bodies_)
+      load_acceleration_ = std::max(load_acceleration_, most_acceleration_by_loads(body));
     give_all_momentum();
   }
 
@@ -159,7 +161,8 @@ class Stepper final : public Simulation {
     throw RunError(text + "\n" + talus::describe(*at, particle), long(at->particles.id()[particle]));
   }
   StepBounds bounds() const {
-    return {domain_.h, numerics_.cfl, wave_speed_, fastest(), viscosity_, std::sqrt(dot(gravity_, gravity_)),
+    return {domain_.h, numerics_.cfl, wave_speed_,
+            fastest(), viscosity_,    std::sqrt(dot(gravity_, gravity_)) + load_acceleration_,
             last_dt_,  contacts_};
   }
   /// The largest speed of a particle or of a solid.
@@ -540,15 +543,22 @@ class Stepper final : public Simulation {
   // ---- loads on sides of bodies ----------------------------------------------------------------------------------
 
   /// Weights of the place where a particle of a body ends, `reach` cells along an axis from its middle, on the particle's own
-  /// nodes: others may have no mass. Where that place touches others, N goes on to it along its tangent.
+  /// nodes: others may have no mass. Where that place touches others, N goes on to it along its tangent. The outermost node,
+  /// which may hold next to nothing of the particle, takes no more than an even stress gives it, or four times N; what that
+  /// leaves goes to the next one.
   FourWeights<Dim, Shape> weights_at_end(const Body<Dim>& body, int i, int t, int axis, double reach) const {
     FourPlaces<Dim> x = domain_.in_cells(body.particles.places(i, 1));
     FourWeights<Dim, Shape> w{x, grid_.tile(t).place, shape_of(body)};
     x[axis] += Quad(reach);
-    const FourWeights<Dim, Shape> there{x, grid_.tile(t).place, shape_of(body)};
-    bool touches_others = there.first[0] != w.first[0];
-    for (int n = 0; n < Shape::support; ++n) touches_others |= w.N[axis][n][0] < 1e-6 && there.N[axis][n][0] > 1e-6;
-    if (!touches_others) return there;
+    FourWeights<Dim, Shape> there{x, grid_.tile(t).place, shape_of(body)};
+    if (there.first[0] == w.first[0]) {
+      const int outermost = reach < 0 ? 0 : Shape::support - 1, next = reach < 0 ? 1 : Shape::support - 2;
+      const double most = std::max(2 * std::abs(reach * w.dN[axis][outermost][0]), 4 * double(w.N[axis][outermost][0]));
+      const double excess = std::max(0.0, there.N[axis][outermost][0] - most);
+      there.N[axis][outermost][0] -= excess;
+      there.N[axis][next][0] += excess;
+      return there;
+    }
     for (int n = 0; n < Shape::support; ++n) w.N[axis][n][0] += reach * w.dN[axis][n][0];
     return w;
   }
@@ -568,6 +578,20 @@ class Stepper final : public Simulation {
         f(area[i] * traction, ParticleWeights<Dim, Shape>{w, 0});
       }
     }
+  }
+
+  /// What loads could give to a particle of a body at most, each at its largest [m/s2].
+  static double most_acceleration_by_loads(const Body<Dim>& body) {
+    double most = 0;
+    for (std::size_t k = 0; k < body.loads.size(); ++k) {
+      const SurfaceLoad& load = body.loads[k];
+      double factor = load.factor.empty() ? 1 : 0;
+      for (double f : load.factor.values) factor = std::max(factor, std::abs(f));
+      const double stress = factor * std::sqrt(dot(load.traction, load.traction));
+      for (int i = 0; i < body.particles.size(); ++i)
+        most = std::max(most, stress * body.particles.loaded_area(int(k))[i] / body.particles.mass()[i]);
+    }
+    return most;
   }
 
   /// f_I = N F of what presses and pulls on the sides of a body.
@@ -987,6 +1011,7 @@ class Stepper final : public Simulation {
   double unfiltered_ = 0;  ///< time since velocities were last filtered [s]
   double drift_ = 0;       ///< bound on how far any particle has moved since it was put in order, in cells
   double wave_speed_ = 0, viscosity_ = 0, node_speed_ = 0, least_mass_ = 0;
+  double load_acceleration_ = 0;  ///< the most that loads could give to a particle [m/s2]
   double last_dt_ = std::numeric_limits<double>::infinity();
   std::vector<Stiffening> contacts_;  ///< of squared wave speed where grains meet without stress, one a body
   bool broken_ = false;               ///< particles may stand anywhere
