@@ -23,7 +23,7 @@
 
 #include "talus/backend/backend.hpp"
 #include "talus/base/machine.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/snapshot.hpp"
 

@@ -9,7 +9,7 @@
 
 #include "app/program.hpp"
 #include "folder_of_its_own.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/law/registry.hpp"
 
 namespace {

@@ -6,7 +6,7 @@
 
 #include "law/parameter_sets.hpp"
 #include "talus/base/error.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 
 namespace talus {
 namespace {

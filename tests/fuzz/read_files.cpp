@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 
 namespace {
 

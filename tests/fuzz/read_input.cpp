@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <cstring>
 
-#include "../case/mistakes.hpp"
-#include "talus/case/read.hpp"
+#include "../input/mistakes.hpp"
+#include "talus/input/read.hpp"
 
 extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
 

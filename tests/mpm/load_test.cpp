@@ -10,8 +10,8 @@
 #include "cases.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
-#include "talus/case/surface_load.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/mpm/start/surface_load.hpp"
 
 namespace talus {
 namespace {

@@ -11,7 +11,7 @@
 #include "talus/app/task.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/machine.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/plot.hpp"
 #include "talus/output/report.hpp"

@@ -4,8 +4,8 @@
 #include <fstream>
 
 #include "talus/app/commands.hpp"
-#include "talus/case/read.hpp"
 #include "talus/element/driver.hpp"
+#include "talus/input/read.hpp"
 
 namespace talus {
 

@@ -3,7 +3,7 @@
 #include "talus/app/commands.hpp"
 #include "talus/base/units.hpp"
 #include "talus/case/case.hpp"
-#include "talus/case/reader.hpp"
+#include "talus/input/reader.hpp"
 
 namespace talus {
 

@@ -5,7 +5,7 @@
 #include "talus/app/commands.hpp"
 #include "talus/app/templates.hpp"
 #include "talus/base/text.hpp"
-#include "talus/case/reader.hpp"
+#include "talus/input/reader.hpp"
 
 namespace talus {
 

@@ -8,7 +8,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/text.hpp"
-#include "talus/case/schema.hpp"
+#include "talus/input/schema.hpp"
 
 namespace {
 

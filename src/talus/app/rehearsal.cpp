@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "talus/base/error.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {

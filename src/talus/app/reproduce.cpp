@@ -12,7 +12,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/text.hpp"
 #include "talus/element/driver.hpp"
-#include "talus/output/figure_page.hpp"
+#include "talus/figure/page.hpp"
 #include "talus/output/report.hpp"
 
 namespace talus {

@@ -8,7 +8,7 @@
 
 #include "talus/app/commands.hpp"
 #include "talus/base/file.hpp"
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/output/checkpoint.hpp"
 
 namespace talus {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "talus/base/parameter.hpp"
-#include "talus/case/solid.hpp"
+#include "talus/geometry/solid.hpp"
 #include "talus/law/registry.hpp"
 
 namespace talus {

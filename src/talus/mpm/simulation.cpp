@@ -4,10 +4,10 @@
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
-#include "talus/case/start.hpp"
-#include "talus/case/surface_load.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
+#include "talus/mpm/start/overburden.hpp"
+#include "talus/mpm/start/surface_load.hpp"
 
 namespace talus {
 

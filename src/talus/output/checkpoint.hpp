@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "talus/case/read.hpp"
+#include "talus/input/read.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/picture.hpp"
 

@@ -1,0 +1,119 @@
+#include "talus/mpm/start/overburden.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus {
+
+double bulk_density(const Material& material, const BodySpec& body) {
+  return std::visit(
+      [&]<class Law>(const Law& law) {
+        if constexpr (requires { law.grain_density(); }) {
+          static_assert(HasVoidRatio<Law>,
+                        "a law that knows the density of its grains also says which `void_ratios` it takes");
+          return law.grain_density() / (1 + *body.void_ratio);
+        } else {
+          return material.density;
+        }
+      },
+      material.law);
+}
+
+Overburden::Overburden(const Case& what) : dim_(what.dim) {
+  for (const BodySpec& body : what.bodies) {
+    const double weight = -bulk_density(what.materials[body.material], body) * what.gravity[dim_ - 1];
+    if (body.initial_stress != InitialStress::k0 || !(weight > 0)) continue;
+    Layer layer{&body.region, weight, {}};
+    if (const auto* list = std::get_if<PointList>(&body.region)) {
+      for (const double v : list->volumes) layer.columns.width = std::max(layer.columns.width, std::pow(v, 1.0 / dim_));
+      for (std::size_t i = 0; i < list->places.size(); ++i)
+        layer.columns.points[layer.columns.column_of(list->places[i][0], across(list->places[i]))].push_back(i);
+    }
+    layers_.push_back(std::move(layer));
+  }
+}
+
+Load Overburden::on(const Vec<3>& x, double width) const {
+  Load load;
+  for (const Layer& layer : layers_) {
+    const auto* list = std::get_if<PointList>(layer.region);
+    const double depth = list ? thickness(*list, layer.columns, x, width) : length_above(*layer.region, x, dim_);
+    load.depth += depth;
+    load.stress += layer.weight * depth;
+  }
+  return load;
+}
+
+double Overburden::thickness(const PointList& list, const Columns& columns, const Vec<3>& x, double width) const {
+  const int up = dim_ - 1;
+  const double reach = 0.5 * (width + columns.width);
+  const auto low = columns.column_of(x[0] - reach, across(x) - reach);
+  const auto high = columns.column_of(x[0] + reach, across(x) + reach);
+  double volume = 0;
+  for (int j = low[1]; j <= high[1]; ++j)
+    for (int i = low[0]; i <= high[0]; ++i) {
+      const auto column = columns.points.find({i, j});
+      if (column == columns.points.end()) continue;
+      for (const std::size_t k : column->second) {
+        const double edge = std::pow(list.volumes[k], 1.0 / dim_);
+        const Vec<3>& at = list.places[k];
+        double part = std::clamp(at[up] + 0.5 * edge - x[up], 0.0, edge);
+        for (int a = 0; a < up; ++a)
+          part *= std::max(
+              0.0, std::min(at[a] + 0.5 * edge, x[a] + 0.5 * width) - std::max(at[a] - 0.5 * edge, x[a] - 0.5 * width));
+        volume += part;
+      }
+    }
+  return volume / std::pow(width, up);
+}
+
+InitialState initial_state(const Case& what, const BodySpec& body, double load) {
+  InitialState initial;
+  initial.void_ratio = body.void_ratio.value_or(0);
+  if (body.initial_stress == InitialStress::given) initial.stress = body.given_stress;
+  if (body.initial_stress != InitialStress::k0) return initial;
+  const double horizontal =
+      std::visit([](const auto& law) { return law.earth_pressure_at_rest(); }, what.materials[body.material].law) *
+      load;
+  const int up = what.dim - 1;
+  initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
+  initial.stress[up] = -load;
+  for (int a = 0; a < up; ++a) {
+    const int shear = what.dim == 2 ? 3 : a == 0 ? 5 : 4;  // xy; zx and yz
+    initial.stress[shear] = load * what.gravity[a] / -what.gravity[up];
+  }
+  return initial;
+}
+
+std::variant<double, std::string> wave_speed_at_rest(const Case& what, const BodySpec& body, double load) {
+  const Material& material = what.materials[body.material];
+  const InitialState initial = initial_state(what, body, load);
+  const AnyLaw scaled = with_scaled_stiffness(material.law, what.numerics.stiffness_factor);
+  return std::visit(
+      [&]<class Law>(const Law& law) -> std::variant<double, std::string> {
+        auto state = law.at_rest(initial);
+        if (const auto* reason = std::get_if<std::string>(&state)) return *reason;
+        const Motion<double> none{SymTensor<double>::zero(), SymTensor<double>::zero(), 1};
+        const double stiffness =
+            law.update(std::get<typename Law::template State<double>>(state), none, what.numerics.integration)
+                .stiffness;
+        return std::sqrt(stiffness / bulk_density(material, body));
+      },
+      scaled);
+}
+
+std::string fault_of_void_ratio(const AnyLaw& law, double void_ratio) {
+  return std::visit(
+      [&](const auto& grains) -> std::string {
+        if constexpr (requires { grains.closest_packing(); })
+          if (1 / (1 + void_ratio) >= grains.closest_packing())
+            return fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)",
+                               1 / grains.closest_packing() - 1);
+        return "";
+      },
+      law);
+}
+
+}  // namespace talus

@@ -1,0 +1,17 @@
+#pragma once
+/// What presses and pulls on the sides of bodies.
+
+#include <string>
+#include <vector>
+
+#include "talus/mpm/start/filling.hpp"
+
+namespace talus {
+
+/// The area [m2] of the loaded side that each particle of a body stands for; in plane strain per metre of thickness,
+/// axisymmetric per radian. The body has its particles in the middle of cells. The side consists of the outermost particle
+/// of every row of the lattice across it, so areas are those that the side shows along its axis, however it is curved. All
+/// zero where `within` leaves nothing of it.
+std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, const Filling& particles);
+
+}  // namespace talus
