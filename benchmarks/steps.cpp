@@ -46,12 +46,12 @@ constexpr Phase phases[] = {
 constexpr int n_phases = std::size(phases);
 
 /// A loop that runs on as many threads as one asks for at the moment, and notes the processor time of each phase.
-class TimedLoop final : public Loop {
+class TimedLoop final : public Backend {
  public:
   explicit TimedLoop(int most_threads) : threaded_(make_openmp(most_threads)), serial_(make_serial()) {}
 
   int n_workers() const override { return threaded_->n_workers(); }
-  using Loop::for_each;
+  using Backend::for_each;
   void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
     const double start = cpu_seconds();
     (threaded ? threaded_ : serial_)->for_each(shares, body);
@@ -74,7 +74,7 @@ class TimedLoop final : public Loop {
     return phase;
   }
 
-  std::unique_ptr<Loop> threaded_, serial_;
+  std::unique_ptr<Backend> threaded_, serial_;
   std::vector<std::pair<const std::type_info*, int>> known_;
 };
 

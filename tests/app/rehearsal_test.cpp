@@ -22,7 +22,7 @@ Case slump() {
 }
 
 /// Something that takes `coarser` times coarser cells, that is coarser^3 times less in plane strain.
-Rehearsal rehearse_on(int coarser, const Case& what, Loop& loop) {
+Rehearsal rehearse_on(int coarser, const Case& what, Backend& loop) {
   constexpr double seconds = 60;  // more than any of these takes, so that the whole of it is run
   return rehearse(what, loop, 0.99 * seconds * coarser * coarser * coarser, seconds);
 }

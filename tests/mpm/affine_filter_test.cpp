@@ -23,7 +23,7 @@ struct Cloud {
   static constexpr double h = 0.1;
   Domain<Dim> domain{};
   std::vector<Body<Dim>> bodies;
-  std::unique_ptr<Loop> loop = make_serial();
+  std::unique_ptr<Backend> loop = make_serial();
 
   Cloud(const Places<Dim>& places, const std::function<Vec<Dim>(const Vec<Dim>&)>& velocity,
         const std::array<Wall, 2 * Dim>& walls = {}, double uneven = 0.5)

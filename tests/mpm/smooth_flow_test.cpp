@@ -54,7 +54,7 @@ Domain<2> domain_of(int nx, int ny, double h, const std::array<Wall, 4>& walls) 
 }
 
 std::unique_ptr<Simulation> simulate(const Domain<2>& domain, Body<2> body, const Vec<2>& gravity,
-                                     const Numerics& numerics, Loop& loop) {
+                                     const Numerics& numerics, Backend& loop) {
   std::vector<Body<2>> bodies;
   bodies.push_back(std::move(body));
   return make_stepper<2, Quadratic>(domain, std::move(bodies), std::vector<Quadratic>(1), gravity, numerics, loop);

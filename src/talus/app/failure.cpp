@@ -32,7 +32,7 @@ std::string seen_again(Simulation& simulation, const Failure& failure) {
 
 }  // namespace
 
-std::string leave_a_reproducer(const Task& task, const Case& what, Loop& loop, int threads, const Failure& failure) {
+std::string leave_a_reproducer(const Task& task, const Case& what, Backend& loop, int threads, const Failure& failure) {
   const fs::path folder = task.folder / "failure";
   std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
   if (!saved) return "";

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "talus/app/task.hpp"
-#include "talus/mpm/loop.hpp"
+#include "talus/mpm/backend.hpp"
 
 namespace talus {
 
@@ -20,6 +20,6 @@ struct Failure {
 /// Goes over the last stretch of a broken run again, from its last checkpoint, and leaves in FOLDER/failure the case and
 /// a checkpoint a few steps before the break. Returns what to tell the user: what the particle was before it broke, and
 /// the command that shows the break again. Ctrl-C ends the way there and leaves a checkpoint of the place reached.
-std::string leave_a_reproducer(const Task& task, const Case& what, Loop& loop, int threads, const Failure& failure);
+std::string leave_a_reproducer(const Task& task, const Case& what, Backend& loop, int threads, const Failure& failure);
 
 }  // namespace talus

@@ -57,7 +57,7 @@ double steps_on_finer(const StepTally& tally, int f) {
 
 }  // namespace
 
-Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double seconds) {
+Rehearsal rehearse(const Case& what, Backend& loop, double whole_run, double seconds) {
   // Fewer particles and about f times fewer steps.
   const double particles = estimated_particles(what);
   const auto cost = [&](int f) { return whole_run * estimated_particles(coarser(what, f)) / particles / f; };

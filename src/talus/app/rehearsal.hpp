@@ -2,7 +2,7 @@
 /// How many steps a run will take, found out by doing it on coarser cells.
 
 #include "talus/case/case.hpp"
-#include "talus/mpm/loop.hpp"
+#include "talus/mpm/backend.hpp"
 
 namespace talus {
 
@@ -17,6 +17,6 @@ struct Rehearsal {
 /// takes longer, the run is ended and the rest taken to go on at the last pace. Steps get shorter as material presses and
 /// speeds up, and only a run knows when. Bounds scale with the size h of cells: what waves, particles and contact bound
 /// goes with h, viscosity with h^2, gravity with its root.
-Rehearsal rehearse(const Case& what, Loop& loop, double whole_run, double seconds);
+Rehearsal rehearse(const Case& what, Backend& loop, double whole_run, double seconds);
 
 }  // namespace talus

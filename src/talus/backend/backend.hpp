@@ -3,14 +3,14 @@
 
 #include <memory>
 
-#include "talus/mpm/loop.hpp"
+#include "talus/mpm/backend.hpp"
 
 namespace talus {
 
 /// One after the other, on the calling thread.
-std::unique_ptr<Loop> make_serial();
+std::unique_ptr<Backend> make_serial();
 
 /// On `n_threads` threads of this machine; 0 takes as many as there are processors.
-std::unique_ptr<Loop> make_openmp(int n_threads);
+std::unique_ptr<Backend> make_openmp(int n_threads);
 
 }  // namespace talus

@@ -9,12 +9,12 @@ namespace talus {
 
 namespace {
 
-class OpenMP final : public Loop {
+class OpenMP final : public Backend {
  public:
   explicit OpenMP(int n_threads) : n_threads_(n_threads), next_(n_threads) {}
   int n_workers() const override { return n_threads_; }
 
-  using Loop::for_each;
+  using Backend::for_each;
   void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
     for (int w = 0; w < n_threads_; ++w) next_[w].number.store(shares[w], std::memory_order_relaxed);
     std::exception_ptr failure;
@@ -49,7 +49,7 @@ class OpenMP final : public Loop {
 
 }  // namespace
 
-std::unique_ptr<Loop> make_openmp(int n_threads) {
+std::unique_ptr<Backend> make_openmp(int n_threads) {
   return std::make_unique<OpenMP>(n_threads > 0 ? n_threads : omp_get_num_procs());
 }
 

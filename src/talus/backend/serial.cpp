@@ -4,10 +4,10 @@ namespace talus {
 
 namespace {
 
-class Serial final : public Loop {
+class Serial final : public Backend {
  public:
   int n_workers() const override { return 1; }
-  using Loop::for_each;
+  using Backend::for_each;
   void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
     for (int i = 0; i < shares.back(); ++i) body(i, 0);
   }
@@ -15,6 +15,6 @@ class Serial final : public Loop {
 
 }  // namespace
 
-std::unique_ptr<Loop> make_serial() { return std::make_unique<Serial>(); }
+std::unique_ptr<Backend> make_serial() { return std::make_unique<Serial>(); }
 
 }  // namespace talus

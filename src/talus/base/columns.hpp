@@ -12,19 +12,22 @@ namespace talus {
 /// Columns of equal length, each contiguous and aligned to a cache line.
 class Columns {
  public:
-  explicit Columns(int n_columns) : data_(n_columns) {}
+  explicit Columns(int n_columns) : data_(n_columns), pointers_(n_columns) {}
 
   int n_columns() const { return int(data_.size()); }
   int size() const { return size_; }
   double* column(int c) { return data_[c].get(); }
   const double* column(int c) const { return data_[c].get(); }
+  /// Of all columns, until the next resize.
+  double* const* pointers() const { return pointers_.data(); }
 
   /// Keeps the first rows; new ones hold zeros.
   void resize(int n) {
-    for (auto& column : data_) {
+    for (std::size_t c = 0; c < data_.size(); ++c) {
       Storage larger = allocate(n);
-      std::copy(column.get(), column.get() + std::min(size_, n), larger.get());
-      column = std::move(larger);
+      std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), larger.get());
+      data_[c] = std::move(larger);
+      pointers_[c] = data_[c].get();
     }
     size_ = n;
   }
@@ -53,6 +56,7 @@ class Columns {
   }
 
   std::vector<Storage> data_;
+  std::vector<double*> pointers_;
   int size_ = 0;
 };
 

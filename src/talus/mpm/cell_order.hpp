@@ -1,109 +1,128 @@
 #pragma once
-/// Puts the particles of all bodies in the order of tiles and cells, and the grid under them.
+/// Puts particles in the order of tiles and cells.
 
+#include <algorithm>
 #include <numeric>
+#include <vector>
 
-#include "talus/law/registry.hpp"
-#include "talus/mpm/boundary.hpp"
-#include "talus/mpm/particles.hpp"
+#include "talus/mpm/backend.hpp"
+#include "talus/mpm/data/body.hpp"
+#include "talus/mpm/data/grid.hpp"
 
 namespace talus {
 
-/// A body: particles of one material.
-template <int Dim>
-struct Body {
-  std::string name;
-  double spacing;  ///< of the particles at the start [m]
-  AnyLaw law;
-  Particles<Dim> particles;
-  std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
-  std::vector<SurfaceLoad> loads{};
-};
-
-namespace detail {
-
 /// Order of tiles: the last axis slowest, so that neighbours in memory are neighbours in space.
 template <int Dim>
-bool earlier(const Index<Dim>& a, const Index<Dim>& b) {
+bool is_earlier(const Index<Dim>& a, const Index<Dim>& b) {
   for (int axis = Dim - 1; axis >= 0; --axis)
     if (a[axis] != b[axis]) return a[axis] < b[axis];
   return false;
 }
 
-}  // namespace detail
+template <int Dim>
+Index<Dim> cell_of_particle(const Particles<Dim>& p, int i, const Domain<Dim>& domain) {
+  Index<Dim> cell;
+  for (int a = 0; a < Dim; ++a) cell[a] = cell_of((p.position(a)[i] - domain.origin[a]) / domain.h);
+  return cell;
+}
+template <int Dim>
+Index<Dim> tile_of_cell(const Index<Dim>& cell) {
+  Index<Dim> place;
+  for (int a = 0; a < Dim; ++a) place[a] = tile_of(cell[a]);
+  return place;
+}
 
-/// Sorts all particles stably and rearranges the grid. Particles of one cell stay in the order they had, so the result
-/// depends on nothing but their places.
-template <int Dim, class Shape>
-void put_in_cell_order(std::vector<Body<Dim>>& bodies, const Domain<Dim>& domain, Grid<Dim, Shape>& grid, Loop& loop) {
-  using Layout = TileLayout<Dim, Shape>;
-  const auto cell_index = [&](const Particles<Dim>& p, int i) {
-    Index<Dim> cell;
-    for (int a = 0; a < Dim; ++a) cell[a] = cell_of((p.position(a)[i] - domain.origin[a]) / domain.h);
-    return cell;
-  };
-  const auto tile_place = [](const Index<Dim>& cell) {
-    Index<Dim> place;
-    for (int a = 0; a < Dim; ++a) place[a] = tile_of(cell[a]);
-    return place;
-  };
+/// The tiles that hold particles of some bodies, in their order, and how many each.
+template <int Dim>
+struct OccupiedTiles {
+  std::vector<Index<Dim>> places;
+  std::vector<long> n_particles;
 
+  /// Appends a number of particles, in any order.
+  void add(const Index<Dim>& place, long n) {
+    if (places.empty() || places.back() != place) {
+      places.push_back(place);
+      n_particles.push_back(0);
+    }
+    n_particles.back() += n;
+  }
+  /// Puts tiles in order, each once.
+  void sort() {
+    std::vector<int> order(places.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(),
+              [&](int a, int b) { return is_earlier<Dim>(places[std::size_t(a)], places[std::size_t(b)]); });
+    OccupiedTiles sorted;
+    for (int i : order) sorted.add(places[std::size_t(i)], n_particles[std::size_t(i)]);
+    *this = std::move(sorted);
+  }
+  int find(const Index<Dim>& place) const {
+    return int(std::lower_bound(places.begin(), places.end(), place, is_earlier<Dim>) - places.begin());
+  }
+};
+template <int Dim, class Bodies>
+OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain) {
+  OccupiedTiles<Dim> occupied;
+  for (const auto& body : bodies)
+    for (int i = 0; i < body.particles.size(); ++i)
+      occupied.add(tile_of_cell<Dim>(cell_of_particle(body.particles, i, domain)), 1);
+  occupied.sort();
+  return occupied;
+}
+
+/// Brings particles that have left along a periodic axis back from the other side.
+template <int Dim, class Bodies>
+void wrap_periodic(Bodies& bodies, const Domain<Dim>& domain) {
   for (int a = 0; a < Dim; ++a)
     if (domain.is_periodic(a))
       for (auto& body : bodies)
         for (int i = 0; i < body.particles.size(); ++i)
           body.particles.position(a)[i] = domain.in_first_period(body.particles.position(a)[i], a);
+}
 
-  // Which tiles hold particles.
-  std::vector<Index<Dim>> occupied;
-  for (const auto& body : bodies)
-    for (int i = 0; i < body.particles.size(); ++i) {
-      const Index<Dim> place = tile_place(cell_index(body.particles, i));
-      if (occupied.empty() || occupied.back() != place) occupied.push_back(place);
-    }
-  std::sort(occupied.begin(), occupied.end(), detail::earlier<Dim>);
-  occupied.erase(std::unique(occupied.begin(), occupied.end()), occupied.end());
-
-  std::vector<typename Grid<Dim, Shape>::CellRange> ranges(occupied.size());
-  for (auto& r : ranges)
-    for (int a = 0; a < Dim; ++a) {
-      r.low[a] = tile_edge;
-      r.high[a] = -1;
-    }
-
+/// Sorts the particles of all bodies stably by the given tiles and their cells, and sets the bodies' `tiles`. Particles of
+/// one cell stay in the order they had, so the result depends on nothing but their places. Returns the cells of each tile
+/// that hold particles.
+template <int Dim, class Bodies>
+std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& domain, const OccupiedTiles<Dim>& occupied,
+                                         Backend& backend) {
+  constexpr int n_cells = power(tile_edge, Dim);
+  const std::size_t n_tiles = occupied.places.size();
+  CellRange<Dim> none;
+  none.low.fill(tile_edge);
+  none.high.fill(-1);
+  std::vector<CellRange<Dim>> ranges(n_tiles, none);
   for (auto& body : bodies) {
     Particles<Dim>& particles = body.particles;
     const int n = particles.size();
     std::vector<int> slot(n);  // the particle's cell among those of all occupied tiles
-    std::vector<int> next(occupied.size() * Layout::n_cells + 1, 0);
+    std::vector<int> next(n_tiles * n_cells + 1, 0);
     int last = 0;
     for (int i = 0; i < n; ++i) {
-      Index<Dim> cell = cell_index(particles, i);
-      const Index<Dim> place = tile_place(cell);
-      if (occupied[last] != place)
-        last = int(std::lower_bound(occupied.begin(), occupied.end(), place, detail::earlier<Dim>) - occupied.begin());
+      Index<Dim> cell = cell_of_particle(particles, i, domain);
+      const Index<Dim> place = tile_of_cell<Dim>(cell);
+      if (occupied.places[last] != place) last = occupied.find(place);
       for (int a = 0; a < Dim; ++a) {
         cell[a] -= tile_edge * place[a];
         ranges[last].low[a] = std::min(ranges[last].low[a], cell[a]);
         ranges[last].high[a] = std::max(ranges[last].high[a], cell[a]);
       }
-      slot[i] = last * Layout::n_cells + Layout::node(cell);
+      slot[i] = last * n_cells + flatten<Dim>(cell, tile_edge);
       ++next[slot[i] + 1];
     }
     // Counts become first places, tile after tile, cell after cell.
     std::partial_sum(next.begin(), next.end(), next.begin());
-    body.tiles.resize(occupied.size());
-    for (std::size_t t = 0; t < occupied.size(); ++t)
-      body.tiles[t] = {next[t * Layout::n_cells], next[(t + 1) * Layout::n_cells]};
+    body.tiles.resize(n_tiles);
+    for (std::size_t t = 0; t < n_tiles; ++t) body.tiles[t] = {next[t * n_cells], next[(t + 1) * n_cells]};
     std::vector<int> order(n);
     for (int i = 0; i < n; ++i) order[next[slot[i]]++] = i;
-    loop.for_each(particles.columns().n_columns(), [&](int c, int) {
+    backend.for_each(particles.columns().n_columns(), [&](int c, int) {
       thread_local std::vector<double> spare;
       if (int(spare.size()) < n) spare.resize(n);
       particles.columns().permute(c, order, spare);
     });
   }
-  grid.arrange(occupied, ranges);
+  return ranges;
 }
 
 }  // namespace talus

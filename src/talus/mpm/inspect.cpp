@@ -42,7 +42,7 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
   put(common("id"), [&](int i, double* v) { *v = p.id()[i]; });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
-  if (p.extras().moment)
+  if (p.memory().moment)
     put(common("spin"), [&](int i, double* v) {
       for (int a = 0; a < 3; ++a) {
         const int b = (a + 1) % 3, c = (a + 2) % 3;
@@ -62,6 +62,49 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
         for (const auto& q : Law::quantities()) put(q, [&](int i, double* v) { q.tell(law, state(i), rates[i], v); });
       },
       body.law);
+}
+
+void gather(Backend& backend, Observation& seen) {
+  if (backend.n_owners() == 1) return;
+  const std::vector<double> own = seen.find("id")->values;
+  std::vector<std::size_t> ids;
+  for (std::size_t id = 0; id < own.size(); ++id)
+    if (!std::isnan(own[id])) ids.push_back(id);
+  const std::vector<Message> all_ids = backend.gather(Message(ids.begin(), ids.end()));
+  for (Field& f : seen.fields) {
+    const std::size_t n = std::size_t(f.components);
+    Message mine;
+    for (std::size_t id : ids)
+      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(id * n), f.values.begin() + std::ptrdiff_t((id + 1) * n));
+    const std::vector<Message> all = backend.gather(mine);
+    for (std::size_t o = 0; o < all.size(); ++o)
+      for (std::size_t i = 0; i < all_ids[o].size(); ++i)
+        std::copy_n(&all[o][i * n], n, &f.values[std::size_t(all_ids[o][i]) * n]);
+  }
+}
+
+void gather(Backend& backend, ParticlePlaces& all) {
+  if (backend.n_owners() == 1) return;
+  Message mine;
+  for (std::size_t id = 0; id < all.sizes.size(); ++id)
+    if (!std::isnan(all.sizes[id]))
+      mine.insert(mine.end(), {double(id), all.places[id][0], all.places[id][1], all.places[id][2], all.sizes[id]});
+  for (const Message& rows : backend.gather(mine))
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 5) {
+      all.places[std::size_t(row[0])] = {row[1], row[2], row[3]};
+      all.sizes[std::size_t(row[0])] = row[4];
+    }
+}
+
+std::string gather(Backend& backend, const std::string& text) {
+  if (backend.n_owners() == 1) return text;
+  for (const Message& m : backend.gather(Message(text.begin(), text.end())))
+    if (!m.empty()) {
+      std::string first;
+      for (double character : m) first += char(character);
+      return first;
+    }
+  return "";
 }
 
 void leave_out_what_has_left(Observation& seen) {
@@ -119,18 +162,18 @@ std::string describe(const Body<Dim>& body, int i) {
 }
 
 template <int Dim>
-double elastic_energy(const Body<Dim>& body, int first) {
+std::vector<double> elastic_energies(const Body<Dim>& body, int first) {
   const Particles<Dim>& p = body.particles;
-  double sum = 0;
+  std::vector<double> energies;
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = first; i < p.size(); ++i) {
           const auto state = state_of<Law>(p, i);
-          sum += p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state);
+          energies.push_back(p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state));
         }
       },
       body.law);
-  return sum;
+  return energies;
 }
 
 template <int Dim>
@@ -143,6 +186,20 @@ double largest_volume_per_mass(const Body<Dim>& body) {
           most = std::max(most, p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)) / p.mass()[i]);
       },
       body.law);
+  return most;
+}
+
+template <int Dim>
+double largest_acceleration_by_loads(const Body<Dim>& body) {
+  double most = 0;
+  for (std::size_t k = 0; k < body.loads.size(); ++k) {
+    const SurfaceLoad& load = body.loads[k];
+    double factor = load.factor.empty() ? 1 : 0;
+    for (double f : load.factor.values) factor = std::max(factor, std::abs(f));
+    const double stress = factor * std::sqrt(dot(load.traction, load.traction));
+    for (int i = 0; i < body.particles.size(); ++i)
+      most = std::max(most, stress * body.particles.loaded_area(int(k))[i] / body.particles.mass()[i]);
+  }
   return most;
 }
 
@@ -190,10 +247,12 @@ template void place_body(const Body<2>&, bool, ParticlePlaces&);
 template void place_body(const Body<3>&, bool, ParticlePlaces&);
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
-template double elastic_energy(const Body<2>&, int);
+template std::vector<double> elastic_energies(const Body<2>&, int);
 template double largest_volume_per_mass(const Body<2>&);
 template double largest_volume_per_mass(const Body<3>&);
-template double elastic_energy(const Body<3>&, int);
+template std::vector<double> elastic_energies(const Body<3>&, int);
+template double largest_acceleration_by_loads(const Body<2>&);
+template double largest_acceleration_by_loads(const Body<3>&);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);
 template std::optional<Stiffening> contact_stiffening(const Body<3>&);
 template FastestWave fastest_wave(const Body<2>&, const Integration&);

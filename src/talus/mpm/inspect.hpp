@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "talus/mpm/cell_order.hpp"
+#include "talus/mpm/data/body.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
@@ -15,6 +15,12 @@ namespace talus {
 template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
                   Observation& seen);
+
+/// What can be told of the particles of all owners, from what each can tell of its own; `seen` has room for all ids.
+void gather(Backend& backend, Observation& seen);
+void gather(Backend& backend, ParticlePlaces& all);
+/// The first text that is not empty, in the order of owners.
+std::string gather(Backend& backend, const std::string& text);
 
 /// Takes the rows of ids that no particle has out of an observation with room for all.
 void leave_out_what_has_left(Observation& seen);
@@ -27,13 +33,17 @@ void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
 template <int Dim>
 std::string describe(const Body<Dim>& body, int particle);
 
-/// Elastic energy stored in the particles of a body from `first` on [J].
+/// Elastic energy stored in each particle of a body from `first` on [J].
 template <int Dim>
-double elastic_energy(const Body<Dim>& body, int first);
+std::vector<double> elastic_energies(const Body<Dim>& body, int first);
 
 /// Of all particles [m3/kg].
 template <int Dim>
 double largest_volume_per_mass(const Body<Dim>& body);
+
+/// What loads could give to a particle of a body at most, each at its largest [m/s2].
+template <int Dim>
+double largest_acceleration_by_loads(const Body<Dim>& body);
 
 /// How the squared speed of compression waves grows in a body whose grains carry nothing and meet [m2/s2]; none where
 /// stiffness does not depend on stress.

@@ -1,16 +1,18 @@
 #pragma once
 /// The stepper of each dimension and shape function; every shape is compiled in a file of its own.
 
-#include "talus/mpm/cell_order.hpp"
-#include "talus/mpm/shape.hpp"
+#include <memory>
+#include <vector>
+
+#include "talus/mpm/data/body.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
 
-/// Lets bodies rest on a grid; `shapes` are theirs, one a body.
+/// Lets bodies rest on a grid, beside rigid solids; `shapes` are theirs, one a body.
 template <int Dim, class Shape>
 std::unique_ptr<Simulation> make_stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies,
                                          std::vector<Shape> shapes, const Vec<Dim>& gravity, const Numerics& numerics,
-                                         Loop& loop);
+                                         Backend& backend, std::vector<Solid> solids = {});
 
 }  // namespace talus

@@ -9,60 +9,11 @@
 #include <vector>
 
 #include "talus/case/case.hpp"
-#include "talus/mpm/loop.hpp"
+#include "talus/mpm/backend.hpp"
+#include "talus/mpm/ledger.hpp"
 #include "talus/mpm/time_step.hpp"
 
 namespace talus {
-
-/// What has left a run since its start, and what it took along. Energies in J.
-struct Outflow {
-  double mass = 0;    ///< [kg]
-  Vec<3> momentum{};  ///< [kg m/s]
-  double kinetic = 0, potential = 0, elastic = 0;
-};
-
-/// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness, axisymmetric per
-/// radian.
-struct Ledger {
-  double time = 0;  ///< [s]
-  long step = 0;
-  double dt = 0;      ///< of the last step [s]
-  double mass = 0;    ///< [kg]
-  Vec<3> momentum{};  ///< [kg m/s]
-  double kinetic = 0;
-  double potential = 0;
-  double elastic = 0;      ///< stored in the material, as its state says
-  double plastic = 0;      ///< work that laws have not stored since the start: heat of friction (see Response)
-  double collisional = 0;  ///< work done against collisional stress since the start
-  double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
-  /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
-  /// stress on motion that the nodes make and the particles do not, and what shifting particles has lowered them.
-  double numerical = 0;
-  double wall_friction = 0;  ///< heat of friction on walls and solids since the start
-  /// Work that the material has done on moving solids since the start; negative where they pushed it. Walls at rest do
-  /// none.
-  double wall_work = 0;
-  Vec<3> wall_impulse{};       ///< what walls and solids have given to the material since the start [N s]
-  Vec<3> gravity_impulse{};    ///< what gravity has given to it [N s]
-  double load_work = 0;        ///< of loads on sides of bodies since the start
-  Vec<3> load_impulse{};       ///< what they have given to the material [N s]
-  Outflow outflow;             ///< through sides that let out
-  double initial = 0;          ///< kinetic, potential and elastic energy at the start
-  double initial_elastic = 0;  ///< the elastic part of it
-  /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, what has left with
-  /// both, or moving solids or loads ever given or taken: what losses and errors are measured by.
-  double turnover = 0;
-  double max_speed = 0;    ///< [m/s]
-  long n_separated = 0;    ///< particles whose grains have moved apart
-  long n_unconverged = 0;  ///< stress updates that did not converge, since the start
-
-  /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
-  /// joule.
-  double error() const {
-    return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work +
-           outflow.kinetic + outflow.potential + outflow.elastic - load_work - initial;
-  }
-};
 
 /// A quantity at every particle.
 struct Field {
@@ -125,6 +76,6 @@ class Simulation {
 };
 
 /// Fills the bodies of a case with particles and lets them rest on a grid.
-std::unique_ptr<Simulation> make_simulation(const Case& what, Loop& loop);
+std::unique_ptr<Simulation> make_simulation(const Case& case_, Backend& backend);
 
 }  // namespace talus

@@ -25,7 +25,7 @@ struct Linear {
   static constexpr int below = 1, above = 2;
 
   template <class R>
-  static Weights<R, 2> at(R x) {
+  TALUS_HD static Weights<R, 2> at(R x) {
     const R base = floor(x), f = x - base;
     return {base, {R(1.0) - f, f}, {R(-1.0), R(1.0)}};
   }
@@ -37,7 +37,7 @@ struct Quadratic {
   static constexpr int below = 1, above = 2;
 
   template <class R>
-  static Weights<R, 3> at(R x) {
+  TALUS_HD static Weights<R, 3> at(R x) {
     const R half(0.5), base = floor(x - half), f = x - base;  // 0.5 <= f < 1.5
     const R a = R(1.5) - f, b = f - R(1.0), c = f - half;
     return {base, {half * a * a, R(0.75) - b * b, half * c * c}, {-a, R(-2.0) * b, c}};
@@ -50,7 +50,7 @@ struct Cubic {
   static constexpr int below = 2, above = 3;
 
   template <class R>
-  static Weights<R, 4> at(R x) {
+  TALUS_HD static Weights<R, 4> at(R x) {
     const R one(1.0), half(0.5), sixth(1.0 / 6), two_thirds(2.0 / 3), cell = floor(x);
     const R f = x - cell, g = one - f;  // distances from the nodes at the ends of the cell
     const R ff = half * f * f, gg = half * g * g;
@@ -71,7 +71,7 @@ struct Ugimp {
   explicit Ugimp(double l) : half_width(l) {}
 
   template <class R>
-  Weights<R, 3> at(R x) const {
+  TALUS_HD Weights<R, 3> at(R x) const {
     const R l(half_width), zero(0.0), one(1.0), by_l(1 / half_width);
     const R base = floor(x - R(0.5)), d = x - base - one;  // -1/2 <= d < 1/2 from the node in the middle
     const auto middle = abs(d) < l;

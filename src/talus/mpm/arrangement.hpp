@@ -1,0 +1,129 @@
+#pragma once
+/// How particles lie in tiles, and the grid, the walls and the contacts that follow from it.
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "talus/mpm/migration.hpp"
+#include "talus/mpm/model.hpp"
+
+namespace talus {
+
+/// The occupied tiles of a run in their order, over all owners.
+template <int Dim>
+struct RunTiles {
+  std::vector<Index<Dim>> places;
+  std::vector<CellRange<Dim>> cells;
+  std::vector<long> n_particles;
+};
+
+/// A closed contact, wherever its tile is held.
+template <int Dim>
+struct ClosedContact {
+  Index<Dim> tile;
+  long tile_number;  ///< in the run
+  int node, surface;
+  bool sticks;
+};
+
+/// Those of all owners, in the order of tiles.
+template <int Dim, class Shape>
+std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
+  Message mine;
+  for (std::size_t t = 0; t < m.contacts.size(); ++t) {
+    const Tile<Dim>& tile = m.grid.tile(int(t));
+    if (!tile.owned) continue;
+    for (const NodeContact& c : m.contacts[t]) {
+      if (!c.closed) continue;
+      mine.insert(mine.end(), tile.place.begin(), tile.place.end());
+      mine.insert(mine.end(), {double(m.halo.number[t]), double(c.node), double(c.number), double(c.sticks)});
+    }
+  }
+  std::vector<ClosedContact<Dim>> all;
+  for (const Message& rows : m.backend.gather(mine))
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += Dim + 4) {
+      ClosedContact<Dim> c{{}, long(row[Dim]), int(row[Dim + 1]), int(row[Dim + 2]), row[Dim + 3] != 0};
+      for (int a = 0; a < Dim; ++a) c.tile[a] = int(row[a]);
+      all.push_back(c);
+    }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile_number < b.tile_number; });
+  return all;
+}
+
+/// Gives the tiles held here the contacts that were closed. Those of tiles that are gone are lost.
+template <int Dim, class Shape>
+void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<Dim>>& closed) {
+  std::vector<std::pair<Index<Dim>, int>> at;  // place and number here
+  if (!closed.empty())
+    for (int t = 0; t < m.grid.n_tiles(); ++t) at.emplace_back(m.grid.tile(t).place, t);
+  std::sort(at.begin(), at.end());
+  for (const ClosedContact<Dim>& c : closed) {
+    const auto found = std::lower_bound(at.begin(), at.end(), std::pair(c.tile, 0));
+    if (found == at.end() || found->first != c.tile) continue;
+    NodeContact contact{c.node, {}, {}};
+    contact.number = c.surface;
+    contact.closed = true;
+    contact.sticks = c.sticks;
+    m.contacts[std::size_t(found->second)].push_back(contact);
+  }
+}
+
+/// Deals the tiles out to threads, in shares of about equal work.
+template <int Dim, class Shape>
+void deal_out_tiles(Model<Dim, Shape>& m) {
+  constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // what the nodes of a tile take, in particles
+  const int n_tiles = m.grid.n_tiles(), n_workers = m.backend.n_workers();
+  std::vector<long> work(std::size_t(n_tiles) + 1, 0);
+  for (int t = 0; t < n_tiles; ++t) {
+    work[t + 1] = work[t] + nodes;
+    if (m.grid.tile(t).occupied)
+      for (const auto& body : m.bodies) work[t + 1] += body.tiles[t].size();
+  }
+  m.shares.clear();
+  for (int w = 0; w <= n_workers; ++w)
+    m.shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
+}
+
+/// Sets up the grid under particles that lie, in the order of cells, in the tiles of a run that this owner has. `tiles` of
+/// the bodies are ranges in these tiles.
+template <int Dim, class Shape>
+void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
+  std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
+  const std::vector<int> owners = owners_of(tiles, run.n_particles, m.backend.n_owners());
+  m.halo = keep_held(tiles, run.cells, owners, m.backend);
+  for (auto& body : m.bodies) {
+    std::vector<TileParticles> ranges(run.cells.size());
+    std::size_t own = 0;
+    for (std::size_t t = 0; t < ranges.size(); ++t)
+      if (tiles[t].owned) ranges[t] = body.tiles[own++];
+    body.tiles = std::move(ranges);
+  }
+  m.walls.emplace(m.domain, tiles);
+  m.grid.set_tiles(std::move(tiles), std::move(run.cells));
+  m.walls->rest_on(m.grid.tiles());
+  m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
+  deal_out_tiles(m);
+}
+
+/// Puts the particles of all owners in the order of tiles and cells, and the grid under them.
+template <int Dim, class Shape>
+void arrange(Model<Dim, Shape>& m) {
+  const auto closed = closed_contacts(m);
+  wrap_periodic(m.bodies, m.domain);
+  OccupiedTiles<Dim> own = occupied_tiles(m.bodies, m.domain);
+  RunTiles<Dim> run{own.places, {}, own.n_particles};
+  if (m.backend.n_owners() > 1) {
+    const OccupiedTiles<Dim> all = gather(m.backend, own);
+    const std::vector<int> owners = owners_of<Dim>({}, all.n_particles, m.backend.n_owners());
+    move_to_owners(m.backend, m.bodies, m.domain, all, owners);
+    own = occupied_tiles(m.bodies, m.domain);
+    run = {all.places, gather(m.backend, sort_by_cell(m.bodies, m.domain, own, m.backend)), all.n_particles};
+  } else {
+    run.cells = sort_by_cell(m.bodies, m.domain, own, m.backend);
+  }
+  settle_on_grid(m, std::move(run));
+  set_closed_contacts(m, closed);
+}
+
+}  // namespace talus

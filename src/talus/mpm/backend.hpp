@@ -1,0 +1,54 @@
+#pragma once
+/// Where a run is computed: by which threads, and by which owners of tiles. The solver calls it; the back ends implement
+/// it.
+///
+/// Owners share a run: each holds the particles of some tiles and the nodes around them, and all go through the same
+/// steps at the same time. They meet wherever one of the functions below is called. A single owner, the usual case, meets
+/// nobody.
+
+#include <functional>
+#include <vector>
+
+namespace talus {
+
+/// How the numbers from 0 on are dealt out: worker w begins with those from shares[w] up to shares[w + 1]. So it meets
+/// from loop to loop what it has in its cache. A worker that is done helps the others.
+using Shares = std::vector<int>;
+
+/// What one owner sends to another.
+using Message = std::vector<double>;
+
+class Backend {
+ public:
+  virtual ~Backend() = default;
+
+  // ---- threads of this owner
+
+  /// How many workers may run at the same time.
+  virtual int n_workers() const = 0;
+  /// Calls body(i, worker) once for every i in [0, shares.back()), in any order, 0 <= worker < n_workers(). An exception
+  /// leaves the loop.
+  virtual void for_each(const Shares& shares, const std::function<void(int i, int worker)>& body) = 0;
+
+  /// The same for i in [0, n), in equal shares.
+  void for_each(int n, const std::function<void(int i, int worker)>& body) {
+    Shares shares(n_workers() + 1);
+    for (int w = 0; w <= n_workers(); ++w) shares[w] = int(long(n) * w / n_workers());
+    for_each(shares, body);
+  }
+
+  // ---- owners
+
+  virtual int n_owners() const { return 1; }
+  /// The number of this one, from 0.
+  virtual int owner() const { return 0; }
+  /// Sends messages[o] to owner o. Returns what each owner has sent to this one, in their order.
+  virtual std::vector<Message> exchange(std::vector<Message> messages) { return messages; }
+
+  /// The messages of all owners, in their order; every owner receives them.
+  std::vector<Message> gather(const Message& message) {
+    return exchange(std::vector<Message>(std::size_t(n_owners()), message));
+  }
+};
+
+}  // namespace talus

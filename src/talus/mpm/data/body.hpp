@@ -1,0 +1,47 @@
+#pragma once
+/// A body: particles of one material.
+
+#include <string>
+#include <vector>
+
+#include "talus/case/case.hpp"
+#include "talus/law/registry.hpp"
+#include "talus/mpm/data/particles.hpp"
+#include "talus/mpm/data/shape.hpp"
+
+namespace talus {
+
+template <int Dim>
+struct Body {
+  std::string name;
+  double spacing;  ///< of the particles at the start [m]
+  AnyLaw law;
+  Particles<Dim> particles;
+  std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
+  std::vector<SurfaceLoad> loads{};
+};
+
+/// A body and the shape function of its particles.
+template <int Dim, class Shape>
+struct ShapedBody : Body<Dim> {
+  Shape shape;
+};
+
+/// The particles of a body in one tile, as kernels see them.
+template <int Dim, class Shape>
+struct TilePoints {
+  ParticlesView<Dim> particles;
+  TileParticles range;
+  Index<Dim> tile;  ///< its place
+  Shape shape;
+
+  TALUS_HD int size() const { return range.size(); }
+  /// How many of four from number i of the tile on there are.
+  TALUS_HD int count(int i) const { return range.size() - i < 4 ? range.size() - i : 4; }
+};
+template <int Dim, class Shape>
+TilePoints<Dim, Shape> points_of(const ShapedBody<Dim, Shape>& body, const Tile<Dim>& tile, int t) {
+  return {body.particles.view(), body.tiles[std::size_t(t)], tile.place, body.shape};
+}
+
+}  // namespace talus

@@ -1,0 +1,67 @@
+#pragma once
+/// The box that the grid fills.
+
+#include <array>
+
+#include "talus/geometry/solid.hpp"
+#include "talus/mpm/data/tile.hpp"
+
+namespace talus {
+
+/// Node i of axis a stands at origin[a] + i h, 0 <= i <= n_cells[a]. Plain data, its own view.
+template <int Dim>
+struct Domain {
+  Vec<Dim> origin;
+  double h;  ///< cell size [m]
+  Index<Dim> n_cells;
+  std::array<Wall, 2 * Dim> walls;  ///< low and high side of the first axis, of the second, ...
+  bool axisymmetric = false;        ///< in 2D: the first axis is the radius [m]
+
+  TALUS_HD bool is_periodic(int axis) const { return walls[2 * axis].kind == WallKind::periodic; }
+  TALUS_HD bool lets_out(int side) const { return walls[side].kind == WallKind::outflow; }
+
+  /// Tiles along each axis after which they come round again; 0 where they do not.
+  Index<Dim> period() const {
+    Index<Dim> tiles{};
+    for (int a = 0; a < Dim; ++a)
+      if (is_periodic(a)) tiles[a] = n_cells[a] / tile_edge;
+    return tiles;
+  }
+  Box box() const {
+    Box box{};
+    for (int a = 0; a < Dim; ++a) {
+      box.min[a] = origin[a];
+      box.max[a] = origin[a] + h * n_cells[a];
+    }
+    return box;
+  }
+  /// Where a place along a periodic axis is within the first period.
+  TALUS_HD double in_first_period(double x, int axis) const {
+    const double length = h * n_cells[axis];
+    if (x < origin[axis]) x += length;
+    return x < origin[axis] + length ? x : x - length;
+  }
+
+  /// A place in units of cells from the origin; for one point or for several at once.
+  template <class Places>
+  TALUS_HD Places in_cells(Places x) const {
+    using R = std::remove_cvref_t<decltype(x[0])>;
+    for (int a = 0; a < Dim; ++a) x[a] = R(1 / h) * (x[a] - R(origin[a]));
+    return x;
+  }
+
+  /// Whether four places, in cells, are where particles may be. Sides of kind `outflow` let them go on; what is not a
+  /// number is nowhere.
+  TALUS_HD bool contains(const std::array<Quad, Dim>& x_in_cells) const {
+    bool all_inside = true;
+    for (int a = 0; a < Dim; ++a) {
+      if (is_periodic(a)) continue;
+      constexpr double far = 1e6;
+      const double low = lets_out(2 * a) ? -far : 0, high = n_cells[a] + (lets_out(2 * a + 1) ? far : 0);
+      all_inside &= all((x_in_cells[a] >= Quad(low)) & (x_in_cells[a] <= Quad(high)));
+    }
+    return all_inside;
+  }
+};
+
+}  // namespace talus

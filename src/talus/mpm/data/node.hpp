@@ -1,0 +1,71 @@
+#pragma once
+/// What is known at a node of the grid: four numbers each, a plain struct for each meaning. Kernels load and store them
+/// as a `Quad`.
+
+#include <concepts>
+#include <type_traits>
+
+#include "talus/math/vec.hpp"
+
+namespace talus {
+
+/// Sums over particles, weighted with their shape functions.
+struct alignas(32) MassMomentum {
+  Vec<3> momentum;  ///< [kg m/s]
+  double mass;      ///< [kg]
+};
+
+/// Before the step, and after it.
+struct alignas(32) MassVelocity {
+  Vec<3> velocity;  ///< [m/s]
+  double mass;      ///< [kg]
+};
+
+/// Sums over particles of what the stress exerts.
+struct alignas(32) ForceStiffness {
+  Vec<3> force;      ///< [N]
+  double stiffness;  ///< volume times modulus of compression waves [J]
+};
+
+struct alignas(32) Acceleration {
+  Vec<3> acceleration;  ///< [m/s2]
+  double zero;          ///< not used
+};
+
+/// A node that is loaded and stored as a `Quad`.
+template <class T>
+concept NodeOfFour = std::is_trivially_copyable_v<T> && sizeof(T) == sizeof(Quad) && !std::same_as<T, Quad>;
+
+template <NodeOfFour Node>
+TALUS_HD Quad load_node(const Node& node) {
+  return load<Quad>(reinterpret_cast<const double*>(&node));
+}
+template <NodeOfFour Node>
+TALUS_HD void store_node(Node& node, Quad value) {
+  store(reinterpret_cast<double*>(&node), value);
+}
+template <NodeOfFour Node>
+TALUS_HD Node node_of(Quad value) {
+  Node node;
+  store_node(node, value);
+  return node;
+}
+
+/// Nodes that hold one number are loaded as it.
+TALUS_HD inline double load_node(double node) { return node; }
+TALUS_HD inline void store_node(double& node, double value) { node = value; }
+
+/// Lanes 0 to 2 of a vector in the lanes of a node.
+TALUS_HD inline Quad quad_of(const Vec<3>& v, double fourth = 0) {
+  Quad q(0.0);
+  for (int a = 0; a < 3; ++a) q.set(a, v[a]);
+  q.set(3, fourth);
+  return q;
+}
+TALUS_HD inline Vec<3> vector_of(Quad q) { return {q[0], q[1], q[2]}; }
+
+/// Over lanes 0 to 2.
+TALUS_HD inline double dot3(Quad a, Quad b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+TALUS_HD inline double norm2(Quad v) { return dot3(v, v); }
+
+}  // namespace talus

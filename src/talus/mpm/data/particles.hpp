@@ -1,0 +1,181 @@
+#pragma once
+/// The material points of one body.
+
+#include <array>
+#include <cstddef>
+#include <string_view>
+#include <vector>
+
+#include "talus/base/columns.hpp"
+#include "talus/law/law.hpp"
+#include "talus/mpm/data/domain.hpp"
+
+namespace talus {
+
+/// What decides how many numbers a particle of a body remembers: the size of its law's state, and some choices of the
+/// solver.
+struct ParticleMemory {
+  int n_state = 0;
+  bool moment = false;    ///< transfer `apic`
+  bool gradient = false;  ///< transfer `tpic`
+  bool modulus = false;   ///< order `musl`
+  int loads = 0;          ///< how many act on sides of the body
+};
+
+enum class ParticleField {
+  position,
+  velocity,
+  mass,
+  reference_volume,
+  id,
+  state,
+  velocity_moment,
+  velocity_gradient,
+  loaded_area,
+  wave_modulus
+};
+
+/// The one list of what is stored of a particle, in the order of `ParticleField`. Storage, sorting, migration, restart,
+/// output and estimates of memory follow from it.
+struct ParticleFieldInfo {
+  std::string_view name, meaning;
+  int (*components)(int dim, const ParticleMemory&);
+};
+inline constexpr ParticleFieldInfo particle_fields[] = {
+    {"position", "[m]", [](int dim, const ParticleMemory&) { return dim; }},
+    {"velocity", "[m/s]", [](int dim, const ParticleMemory&) { return dim; }},
+    {"mass", "[kg], in plane strain per metre of thickness, axisymmetric per radian",
+     [](int, const ParticleMemory&) { return 1; }},
+    {"reference_volume", "[m3] at specific volume 1: the volume of the grains, or that at the start",
+     [](int, const ParticleMemory&) { return 1; }},
+    {"id", "number from 0 in the order of creation", [](int, const ParticleMemory&) { return 1; }},
+    {"state", "what the law remembers", [](int, const ParticleMemory& m) { return m.n_state; }},
+    {"velocity_moment", "sum N_I v_I (x_I - x)^T [m2/s], row by row",
+     [](int dim, const ParticleMemory& m) { return m.moment ? dim * dim : 0; }},
+    {"velocity_gradient", "[1/s], row by row",
+     [](int dim, const ParticleMemory& m) { return m.gradient ? dim * dim : 0; }},
+    {"loaded_area", "[m2] of each loaded side, at the start", [](int, const ParticleMemory& m) { return m.loads; }},
+    {"wave_modulus", "volume times K + 4/3 G [J]", [](int, const ParticleMemory& m) { return m.modulus ? 1 : 0; }},
+};
+inline constexpr int n_particle_fields = std::size(particle_fields);
+
+/// In which column each field begins, and how many there are.
+struct ParticleLayout {
+  std::array<int, n_particle_fields + 1> first{};
+
+  ParticleLayout(int dim, const ParticleMemory& memory) {
+    for (int f = 0; f < n_particle_fields; ++f) first[f + 1] = first[f] + particle_fields[f].components(dim, memory);
+  }
+  TALUS_HD int begin(ParticleField f) const { return first[int(f)]; }
+  TALUS_HD int components(ParticleField f) const { return first[int(f) + 1] - first[int(f)]; }
+  int n_columns() const { return first.back(); }
+};
+
+/// The places of four particles, an axis each.
+template <int Dim>
+using FourPlaces = std::array<Quad, Dim>;
+
+/// Particles of a body as kernels see them: pointers to columns, whose rows are ordered by tile and within a tile by
+/// cell.
+template <int Dim>
+struct ParticlesView {
+  double* const* columns;
+  ParticleLayout layout;
+
+  TALUS_HD double* column(ParticleField f, int component = 0) const { return columns[layout.begin(f) + component]; }
+  TALUS_HD double* position(int axis) const { return column(ParticleField::position, axis); }
+  TALUS_HD double* velocity(int axis) const { return column(ParticleField::velocity, axis); }
+  TALUS_HD double* mass() const { return column(ParticleField::mass); }
+  TALUS_HD double* reference_volume() const { return column(ParticleField::reference_volume); }
+  TALUS_HD double* id() const { return column(ParticleField::id); }
+  TALUS_HD double* state(int number) const { return column(ParticleField::state, number); }
+  /// Component a of what velocity does along axis b around the particle: its moment or its gradient, whichever is kept.
+  TALUS_HD double* affine(int a, int b) const { return column(ParticleField::velocity_moment, Dim * a + b); }
+  /// The area of the side that a load of the body acts on which the particle stands for.
+  TALUS_HD double* loaded_area(int load) const { return column(ParticleField::loaded_area, load); }
+  TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
+
+  /// The places of `count` particles from `first` on, at most four [m]; an axis each.
+  TALUS_HD FourPlaces<Dim> places(int first, int count) const {
+    FourPlaces<Dim> x;
+    for (int a = 0; a < Dim; ++a) x[a] = load<Quad>(position(a) + first, count);
+    return x;
+  }
+};
+
+/// Owns the columns.
+template <int Dim>
+class Particles {
+ public:
+  explicit Particles(const ParticleMemory& memory)
+      : memory_(memory), layout_(Dim, memory), columns_(layout_.n_columns()) {}
+
+  int size() const { return columns_.size(); }
+  void resize(int n) { columns_.resize(n); }
+  const ParticleMemory& memory() const { return memory_; }
+  const ParticleLayout& layout() const { return layout_; }
+  Columns& columns() { return columns_; }
+  const Columns& columns() const { return columns_; }
+
+  ParticlesView<Dim> view() { return {columns_.pointers(), layout_}; }
+  /// To read from.
+  ParticlesView<Dim> view() const { return {columns_.pointers(), layout_}; }
+
+  double* position(int axis) { return view().position(axis); }
+  const double* position(int axis) const { return view().position(axis); }
+  double* velocity(int axis) { return view().velocity(axis); }
+  const double* velocity(int axis) const { return view().velocity(axis); }
+  double* mass() { return view().mass(); }
+  const double* mass() const { return view().mass(); }
+  double* reference_volume() { return view().reference_volume(); }
+  const double* reference_volume() const { return view().reference_volume(); }
+  double* id() { return view().id(); }
+  const double* id() const { return view().id(); }
+  double* state(int number) { return view().state(number); }
+  const double* state(int number) const { return view().state(number); }
+  double* affine(int a, int b) { return view().affine(a, b); }
+  const double* affine(int a, int b) const { return view().affine(a, b); }
+  double* loaded_area(int load) { return view().loaded_area(load); }
+  const double* loaded_area(int load) const { return view().loaded_area(load); }
+  double* wave_modulus() { return view().wave_modulus(); }
+  const double* wave_modulus() const { return view().wave_modulus(); }
+
+ private:
+  ParticleMemory memory_;
+  ParticleLayout layout_;
+  Columns columns_;
+};
+
+/// The state of `count` particles from `first` on, at most as many as R holds.
+template <Number R, class State, int Dim>
+TALUS_HD State load_states(const ParticlesView<Dim>& particles, int first, int count) {
+  State state;
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
+    numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first, count);
+  return state;
+}
+template <Number R, class State, int Dim>
+TALUS_HD void store_states(const ParticlesView<Dim>& particles, int first, int count, const State& state) {
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
+    store(particles.state(int(k)) + first, numbers_of<R>(state)[k], count);
+}
+
+/// The state of one particle.
+template <class Law, int Dim>
+typename Law::template State<double> state_of(const Particles<Dim>& particles, int i) {
+  typename Law::template State<double> state;
+  for (int k = 0; k < state_size<Law>; ++k) numbers_of<double>(state)[k] = particles.state(k)[i];
+  return state;
+}
+template <class Law, int Dim>
+void set_state(Particles<Dim>& particles, int i, const typename Law::template State<double>& state) {
+  for (int k = 0; k < state_size<Law>; ++k) particles.state(k)[i] = numbers_of<double>(state)[k];
+}
+
+/// The particles of one tile are those numbered [begin, end).
+struct TileParticles {
+  int begin = 0, end = 0;
+  TALUS_HD int size() const { return end - begin; }
+};
+
+}  // namespace talus

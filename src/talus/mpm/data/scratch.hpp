@@ -1,0 +1,60 @@
+#pragma once
+/// Working space of one thread: what the particles of a tile have while their stress is updated.
+
+#include <vector>
+
+#include "talus/math/lanes.hpp"
+#include "talus/math/tensor.hpp"
+
+namespace talus {
+
+/// As kernels see it: rows as long as the tile has particles, and a pack more.
+struct ScratchView {
+  double* gradient[3][3];               ///< velocity gradient L [1/s]
+  double* flux[6];                      ///< volume times stress [J], tension-positive
+  double* stiffness;                    ///< volume times modulus of compression waves [J]
+  double *x, *volume;                   ///< elastic compression and volume of the particles
+  double *mean_x, *mean_p, *mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
+  int* cell;                            ///< of the particle, in its tile
+
+  TALUS_HD Tensor<double> gradient_of(int i) const {
+    Tensor<double> L;
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) L[a][b] = gradient[a][b][i];
+    return L;
+  }
+};
+
+/// Owns the rows, as long as the largest tile.
+class Scratch {
+ public:
+  /// With room for n particles.
+  ScratchView view(int n) {
+    n += pack_width;  // the last pack may reach beyond the last particle
+    if (n > int(cell_.size())) {
+      for (auto& row : rows_) row.assign(std::size_t(n), 0.0);
+      cell_.resize(std::size_t(n));
+    }
+    ScratchView v;
+    double* rows[n_rows];
+    for (int r = 0; r < n_rows; ++r) rows[r] = rows_[r].data();
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b < 3; ++b) v.gradient[a][b] = rows[3 * a + b];
+    for (int c = 0; c < 6; ++c) v.flux[c] = rows[9 + c];
+    v.stiffness = rows[15];
+    v.x = rows[16];
+    v.volume = rows[17];
+    v.mean_x = rows[18];
+    v.mean_p = rows[19];
+    v.mean_rate = rows[20];
+    v.cell = cell_.data();
+    return v;
+  }
+
+ private:
+  static constexpr int n_rows = 21;
+  std::vector<double> rows_[n_rows];
+  std::vector<int> cell_;
+};
+
+}  // namespace talus

@@ -1,0 +1,102 @@
+#pragma once
+/// Runs that break: which particle, where, when, in what state.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+#include "talus/base/error.hpp"
+#include "talus/mpm/ledger.hpp"
+#include "talus/mpm/model.hpp"
+
+namespace talus {
+
+/// A particle to be named, among those of all owners.
+struct Culprit {
+  long id = -1;
+  std::string text;  ///< everything about it
+
+  /// The first of those that owners have found.
+  static Culprit first_of(Backend& backend, const Culprit& own) {
+    const std::string all = gather(backend, own.text.empty() ? "" : fmt::format("{}\n{}", own.id, own.text));
+    if (all.empty()) return {};
+    const auto end = all.find('\n');
+    return {std::stol(all.substr(0, end)), all.substr(end + 1)};
+  }
+};
+
+/// Throws a RunError that says everything about the first particle of which `is_bad` holds.
+template <int Dim, class Shape, class F>
+[[noreturn]] void stop(const Model<Dim, Shape>& m, const Ledger& ledger, const std::string& fault, F is_bad,
+                       const std::string& advice = "") {
+  for (const auto& body : m.bodies) {
+    Culprit own;
+    for (int i = 0; i < body.particles.size() && own.text.empty(); ++i)
+      if (is_bad(body, i)) own = {long(body.particles.id()[i]), describe<Dim>(body, i)};
+    const Culprit first = Culprit::first_of(m.backend, own);
+    if (first.text.empty()) continue;
+    throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}{}", fault, ledger.time, ledger.step,
+                               ledger.dt, first.text, advice),
+                   first.id);
+  }
+  throw RunError(fault);
+}
+
+template <int Dim, class Shape>
+[[noreturn]] void stop_outside(const Model<Dim, Shape>& m, const Ledger& ledger) {
+  stop(
+      m, ledger, "a particle has left the domain",
+      [&](const Body<Dim>& body, int i) {
+        return !m.domain.contains(m.domain.in_cells(body.particles.view().places(i, 1)));
+      },
+      "A larger domain keeps it, a side of kind `outflow` lets it go.\n");
+}
+
+template <int Dim, class Shape>
+[[noreturn]] void stop_at_bad_stress(const Model<Dim, Shape>& m, const Ledger& ledger) {
+  stop(m, ledger, "the stress is not finite", [](const Body<Dim>& body, int i) {
+    for (int k = 0; k < body.particles.memory().n_state; ++k)
+      if (!std::isfinite(body.particles.state(k)[i])) return true;
+    return false;
+  });
+}
+
+/// Names the particle that waves are fastest at, or the fastest one, whichever shortens the step more.
+template <int Dim, class Shape>
+[[noreturn]] void stop_at_short_step(const Model<Dim, Shape>& m, const Ledger& ledger, double dt, double wave_speed,
+                                     double viscosity) {
+  const Body<Dim>* at = nullptr;
+  int particle = 0;
+  double most = -1;
+  for (const auto& body : m.bodies) {
+    const Particles<Dim>& p = body.particles;
+    const auto blame = [&](double speed, int i) {
+      if (!(speed > most)) return;
+      most = speed;
+      at = &body;
+      particle = i;
+    };
+    const FastestWave wave = fastest_wave<Dim>(body, m.numerics.integration);
+    if (p.size() > 0) blame(wave.speed, wave.particle);
+    for (int i = 0; i < p.size(); ++i) {
+      double speed2 = 0;
+      for (int a = 0; a < Dim; ++a) speed2 += p.velocity(a)[i] * p.velocity(a)[i];
+      blame(1.3 * std::sqrt(speed2), i);
+    }
+  }
+  double most_of_all = most;
+  for (const Message& other : m.backend.gather({most})) most_of_all = std::max(most_of_all, other[0]);
+  Culprit own;
+  if (at && most == most_of_all) own = {long(at->particles.id()[particle]), describe(*at, particle)};
+  const Culprit first = Culprit::first_of(m.backend, own);
+  const std::string text = fmt::format(
+      "the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "
+      "fastest particle {:.4g} m/s, "
+      "viscosity {:.4g} m2/s",
+      dt, ledger.time, ledger.step, wave_speed, ledger.max_speed, viscosity);
+  if (first.text.empty()) throw RunError(text);
+  throw RunError(text + "\n" + first.text, first.id);
+}
+
+}  // namespace talus

@@ -1,0 +1,55 @@
+#pragma once
+/// New velocities and places of particles from the nodes:
+///   v_p+ = alpha (v_p + dt sum N_I a_I) + (1 - alpha) sum N_I v_I+,   x_p+ = x_p + dt sum N_I v_I+
+/// with the share alpha of its own velocity that a particle keeps; and what affine transfers let it remember.
+
+#include "talus/mpm/kernel/gradient.hpp"
+
+namespace talus {
+
+enum class Advance { both, velocities, places };
+
+/// Reads new velocities and accelerations of the nodes of the tile's window.
+template <Advance which, int Dim, class Shape>
+TALUS_HD void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
+                      const MassVelocity* new_velocity, const Acceleration* acceleration) {
+  const ParticlesView<Dim>& p = points.particles;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    Quad at_v[4], at_a[4];
+    for (int lane = 0; lane < 4; ++lane)
+      interpolate(ParticleWeights<Dim, Shape>{w, lane}, new_velocity, acceleration, at_v[lane], at_a[lane]);
+    transpose(at_v);
+    transpose(at_a);
+    for (int axis = 0; axis < Dim; ++axis) {
+      double *x = p.position(axis) + first, *v = p.velocity(axis) + first;
+      if constexpr (which != Advance::places) {
+        const Quad faster = load<Quad>(v, count) + Quad(dt) * at_a[axis];
+        store(v, Quad(alpha) * faster + Quad(1 - alpha) * at_v[axis], count);
+      }
+      if constexpr (which != Advance::velocities) store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
+    }
+  }
+}
+
+/// What the nodes' velocity does around each particle: its moment sum N_I v_I (x_I - x)^T (apic, Jiang et al. 2015) or its
+/// gradient (tpic).
+template <bool apic, int Dim, class Shape>
+TALUS_HD void find_affine_motion(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                 const MassVelocity* velocity) {
+  const ParticlesView<Dim>& p = points.particles;
+  const Quad to_si(apic ? domain.h : 1 / domain.h);
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    auto w = weights_of(points, domain, i, count);
+    if constexpr (apic)
+      w = with_arms<Arms::collect_moment>(w, domain.in_cells(p.places(first, count)), points.shape, domain);
+    Quad columns[Dim][4];
+    gradients_of_four(w, velocity, columns);
+    for (int b = 0; b < Dim; ++b)
+      for (int a = 0; a < Dim; ++a) store(p.affine(a, b) + first, to_si * columns[b][a], count);
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,66 @@
+#pragma once
+/// The velocity gradient at particles, L_ab = sum v_Ia dN_I/dx_b; around an axis also L_tt = v_r/r.
+/// Reads the nodes' velocities, writes the rows `gradient` of the scratch.
+
+#include "talus/mpm/data/scratch.hpp"
+#include "talus/mpm/kernel/transfer.hpp"
+
+namespace talus {
+
+/// Distances of `count` particles from the axis [m], above 0 for those on it: there v_r is 0 by symmetry, and next to it
+/// v_r/r has its limit.
+template <int Dim>
+TALUS_HD Quad radius_of(const ParticlesView<Dim>& particles, const Domain<Dim>& domain, int first, int count) {
+  return max(load<Quad>(particles.position(0) + first, count), Quad(1e-6 * domain.h));
+}
+
+/// Columns of the gradient of four particles from number i of the tile on, in units of 1/cell, component by component:
+/// columns[b][a] = dv_a/dx_b.
+template <int Dim, class Shape>
+TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelocity* velocity,
+                                Quad (&columns)[Dim][4]) {
+  for (int lane = 0; lane < 4; ++lane) {
+    Quad of_one[Dim];
+    gradient(ParticleWeights<Dim, Shape>{w, lane}, velocity, of_one);
+    for (int b = 0; b < Dim; ++b) columns[b][lane] = of_one[b];
+  }
+  for (int b = 0; b < Dim; ++b) transpose(columns[b]);
+}
+
+/// The rate at which circles around the axis grow: v_r/r.
+template <int Dim, class Shape>
+TALUS_HD void find_hoop_rates(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                              const MassVelocity* velocity, const ScratchView& s) {
+  for (int i = 0; i < points.size(); i += 4) {
+    const int count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    Quad at[4], unused;
+    for (int lane = 0; lane < 4; ++lane)
+      interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, velocity, at[lane], unused);
+    transpose(at);
+    store(&s.gradient[2][2][i], at[0] / radius_of(points.particles, domain, points.range.begin + i, count));
+  }
+  for (int i = (points.size() + 3) / 4 * 4; i % pack_width != 0; i += 4) store(&s.gradient[2][2][i], Quad(0.0));
+}
+
+/// `velocity`: of the nodes of the tile's window.
+template <int Dim, class Shape>
+TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                             const MassVelocity* velocity, const ScratchView& s) {
+  const Quad per_length(1 / domain.h);
+  for (int i = 0; i < points.size(); i += 4) {
+    const auto w = weights_of(points, domain, i, points.count(i));
+    Quad columns[Dim][4];
+    gradients_of_four(w, velocity, columns);
+    for (int b = 0; b < Dim; ++b)
+      for (int a = 0; a < Dim; ++a) store(&s.gradient[a][b][i], per_length * columns[b][a]);
+  }
+  if constexpr (Dim == 2)
+    if (domain.axisymmetric) find_hoop_rates(points, domain, velocity, s);
+  // What the last pack holds behind the last particle stands still.
+  for (int i = (points.size() + 3) / 4 * 4; i % pack_width != 0; i += 4)
+    for (int a = 0; a < Dim; ++a)
+      for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));
+}
+
+}  // namespace talus

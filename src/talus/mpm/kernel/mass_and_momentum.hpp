@@ -1,0 +1,116 @@
+#pragma once
+/// Mass and momentum, from particles to nodes, and the velocity that nodes have of them.
+///   m_I = sum N_I m_p,   m_I v_I = sum N_I m_p v_p   (Sulsky, Chen and Schreyer 1994; with `apic` and `tpic` + N_I m_p C (x_I - x_p))
+///   v_I = m_I v_I / m_I, and what walls allow of it
+/// A tile's particles are added body by body, in their order.
+
+#include "talus/mpm/kernel/transfer.hpp"
+#include "talus/mpm/kernel/wall.hpp"
+#include "talus/mpm/tile_sums.hpp"
+
+namespace talus {
+
+/// Reads places, masses and velocities; adds to the window of the particles' tile.
+template <int Dim, class Shape>
+TALUS_HD void add_mass_and_momentum(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                    MassMomentum* window) {
+  const ParticlesView<Dim>& p = points.particles;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    const Quad mass = load<Quad>(p.mass() + first, count);
+    Quad values[4];
+    for (int axis = 0; axis < 3; ++axis)
+      values[axis] = axis < Dim ? mass * load<Quad>(p.velocity(axis) + first, count) : Quad(0.0);
+    values[3] = mass;
+    transpose(values);
+    for (int lane = 0; lane < count; ++lane) scatter(ParticleWeights<Dim, Shape>{w, lane}, values[lane], window);
+  }
+}
+
+/// Adds what nodes get beyond the particle's own velocity: m N_I C (x_I - x), with the gradient C that the particle brought
+/// (tpic) or that follows from its moment where it is now (apic).
+template <bool apic, int Dim, class Shape>
+TALUS_HD void add_affine_momentum(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                  MassMomentum* window) {
+  const ParticlesView<Dim>& p = points.particles;
+  const Quad to_cells(apic ? 1 / domain.h : domain.h);
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const FourPlaces<Dim> x = domain.in_cells(p.places(first, count));
+    const auto w = with_arms < apic
+                       ? Arms::hand_moment
+                       : Arms::hand_gradient > (weights_of(points, domain, i, count), x, points.shape, domain);
+    const Quad mass = to_cells * load<Quad>(p.mass() + first, count);
+    Quad columns[Dim][4];
+    for (int b = 0; b < Dim; ++b) {
+      for (int a = 0; a < 4; ++a)
+        columns[b][a] = a < Dim ? mass * load<Quad>(p.affine(a, b) + first, count) : Quad(0.0);
+      transpose(columns[b]);
+    }
+    for (int lane = 0; lane < count; ++lane) {
+      Quad of_one[Dim];
+      for (int b = 0; b < Dim; ++b) of_one[b] = columns[b][lane];
+      scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, of_one, Quad(0.0), window);
+    }
+  }
+}
+
+/// The velocities of a tile's nodes, zero where there is less than the least mass, and their kinetic energy
+/// (`held_kinetic`; images behind walls do not count).
+template <int Dim>
+TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, double least_mass,
+                              const MassMomentum* momentum, MassVelocity* velocity, TileSums& sums) {
+  for_each_node(tile, walls, near_wall, [&](int i, Quad allowed, bool counts) {
+    const double mass = momentum[i].mass;
+    Quad v = mass > least_mass ? allowed * (Quad(1 / mass) * load_node(momentum[i])) : Quad(0.0);
+    v.set(3, mass);
+    store_node(velocity[i], v);
+    if (counts) sums[Sum::held_kinetic] += 0.5 * mass * norm2(v);
+  });
+}
+
+/// What the particles of a tile hold, added over bodies four by four.
+template <int Dim>
+struct ParticleSums {
+  Quad mass{0.0}, kinetic{0.0}, potential{0.0}, largest_speed2{0.0}, momentum[Dim];
+  bool all_inside = true;
+
+  TALUS_HD ParticleSums() {
+    for (Quad& m : momentum) m = Quad(0.0);
+  }
+  TALUS_HD void add_to(TileSums& sums) const {
+    for (int a = 0; a < Dim; ++a) sums.sums[std::size_t(Sum::momentum) + std::size_t(a)] += sum_of(momentum[a]);
+    sums[Sum::mass] += sum_of(mass);
+    sums[Sum::kinetic] += sum_of(kinetic);
+    sums[Sum::potential] += sum_of(potential);
+    sums.raise(Most::particle_speed2, largest_of(largest_speed2));
+    sums[Sum::faulty] += all_inside ? 0 : 1;
+  }
+};
+
+/// Adds mass, momentum and energy of particles, and notes whether they are where they may be.
+template <int Dim, class Shape>
+TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const Vec<Dim>& gravity,
+                               ParticleSums<Dim>& total) {
+  const ParticlesView<Dim>& p = points.particles;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    Quad mass = load<Quad>(p.mass() + first, count);
+    for (int lane = count; lane < 4; ++lane) mass.set(lane, 0);
+    const FourPlaces<Dim> x = p.places(first, count);
+    Quad speed2(0.0);
+    for (int a = 0; a < Dim; ++a) {
+      const Quad v = load<Quad>(p.velocity(a) + first, count), mv = mass * v;
+      speed2 += v * v;
+      total.momentum[a] += mv;
+      total.potential -= Quad(gravity[a]) * (mass * x[a]);
+    }
+    total.mass += mass;
+    total.kinetic += Quad(0.5) * mass * speed2;
+    total.largest_speed2 = max(total.largest_speed2, speed2);
+    total.all_inside &= domain.contains(domain.in_cells(x));
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,97 @@
+#pragma once
+/// Particles that stand closer than their volumes leave room for move apart, down the gradient of how full the nodes are:
+///   x_p -= D grad excess,   excess_I = sum N_I V_p / room_I - 1
+/// Fick's diffusion, as Lind, Xu, Stansby and Rogers 2012 (J. Comput. Phys. 231:1499) have it for smoothed particles; for
+/// material points see Baumgarten and Kamrin 2023 (Int. J. Numer. Meth. Eng.). The velocity gradient is known at particles
+/// only, so where these are uneven, what flows into a cell is not what they are strained by, and flows that shear on and
+/// on lose room: 20 % of a tall column's.
+
+#include "talus/mpm/data/scratch.hpp"
+#include "talus/mpm/kernel/transfer.hpp"
+
+namespace talus {
+
+/// Adds the volumes of particles to the window of their tile, in their order. Reads the row `volume` of the scratch. Grains
+/// that have moved apart go on expanding, but need no more room than `most_room` [m3/kg].
+template <int Dim, class Shape>
+TALUS_HD void add_volumes(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double most_room,
+                          const ScratchView& s, double* window) {
+  const ParticlesView<Dim>& p = points.particles;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    for (int lane = 0; lane < count; ++lane) {
+      const double volume = min(s.volume[i + lane], most_room * p.mass()[first + lane]);
+      scatter(ParticleWeights<Dim, Shape>{w, lane}, volume, window);
+    }
+  }
+}
+
+/// By how much a tile's nodes are too full, from how full those of its window are. Inside the material they may lack
+/// something, too; at a surface it is no fault. Inside is where a node and its neighbours are as full on average as a cell
+/// below a flat surface, (1/2 + 47/48 + 1)/3 with quadratic splines; 1/48 may be missing there.
+template <int Dim, class Shape>
+TALUS_HD void find_excess(const double* filling, double* excess) {
+  using Layout = TileLayout<Dim, Shape>;
+  constexpr double below_surface = 1.0 / 48, inside = 119.0 / 144;
+  for (int i = 0; i < Layout::n_nodes; ++i) {
+    Index<Dim> own = unflatten<Dim>(i, tile_edge);
+    for (int a = 0; a < Dim; ++a) own[a] += Layout::below;
+    double around = 0;
+    for (int n = 0; n < n_neighbours<Dim>; ++n) {
+      Index<Dim> at = own;
+      const Index<Dim> offset = offset_of<Dim>(n);
+      for (int a = 0; a < Dim; ++a) at[a] += offset[a];
+      around += filling[Layout::window(at)];
+    }
+    const double beyond = filling[Layout::window(own)] - 1;
+    const bool is_inside = around >= inside * n_neighbours<Dim>;
+    excess[i] = max(beyond, 0.0) + (is_inside ? min(beyond + below_surface, 0.0) : 0.0);
+  }
+}
+
+/// How far a particle at x may be shifted towards a side of the domain, in cells: along an axis a tenth, as windows reach
+/// farther; half the way to a wall at most. Splines are even at walls and lead nothing through; hat functions are not.
+template <int Dim>
+TALUS_HD double room_towards(const Domain<Dim>& domain, int side, double x) {
+  constexpr double largest_shift = 0.1;
+  if (is_passable(domain.walls[side].kind)) return largest_shift;
+  const int axis = side / 2, wall = side % 2 == 0 ? 0 : domain.n_cells[axis];
+  return min(largest_shift, 0.5 * abs((x - domain.origin[axis]) / domain.h - wall));
+}
+
+/// The shift of a particle at x with a gradient of the excess [m], in units of 1/cell. Of the finest pattern that nodes
+/// see, two cells long, a shift takes a quarter; this diffusion would be unstable beyond 1.5 cells^2.
+template <int Dim>
+TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const double (&slope)[Dim]) {
+  constexpr double diffusivity = 0.2;
+  Vec<3> shift{};
+  for (int a = 0; a < Dim; ++a) {
+    const double freely = -diffusivity * slope[a];
+    const double low = -room_towards(domain, 2 * a, x[a]), high = room_towards(domain, 2 * a + 1, x[a]);
+    shift[a] = domain.h * (freely < low ? low : high < freely ? high : freely);
+  }
+  return shift;
+}
+
+/// Moves a tile's particles down the gradient of the excess of its window's nodes. `limit(x, shift)` returns what may be
+/// left of a shift.
+template <int Dim, class Shape, class Limit>
+TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* excess,
+                              Limit limit) {
+  const ParticlesView<Dim>& p = points.particles;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    for (int lane = 0; lane < count; ++lane) {
+      double slope[Dim];
+      gradient(ParticleWeights<Dim, Shape>{w, lane}, excess, slope);
+      Vec<3> x{};
+      for (int a = 0; a < Dim; ++a) x[a] = p.position(a)[first + lane];
+      const Vec<3> shift = limit(x, shift_of(domain, x, slope));
+      for (int a = 0; a < Dim; ++a) p.position(a)[first + lane] = x[a] + shift[a];
+    }
+  }
+}
+
+}  // namespace talus

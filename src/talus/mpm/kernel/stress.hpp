@@ -1,0 +1,231 @@
+#pragma once
+/// The law at work on the particles of one tile: L dt -> state and stress.
+///
+/// Written against a number type R, as laws are: Pack for as many particles at a time, double for one after the other.
+/// The same bits either way, but for the order in which sums over particles are made (lane by lane, then over lanes).
+
+#include "talus/law/registry.hpp"
+#include "talus/math/tensor.hpp"
+#include "talus/mpm/data/particles.hpp"
+#include "talus/mpm/data/scratch.hpp"
+#include "talus/mpm/tile_sums.hpp"
+
+namespace talus {
+
+struct StressUpdate {
+  double dt;
+  Integration integration;
+  bool average_pressure;  ///< replace elastic compression by its mean over the cell
+  bool f_bar;             ///< replace the rate of volume change by its mean over the cell
+};
+
+/// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
+template <int Dim>
+struct CellFinder {
+  Vec<Dim> origin;    ///< of the grid [m]
+  double per_length;  ///< cells per metre
+  Index<Dim> tile;
+
+  TALUS_HD Quad at(const FourPlaces<Dim>& x) const {
+    Quad cell(0.0);
+    for (int a = Dim - 1; a >= 0; --a) {
+      const Quad in_tile = floor(Quad(per_length) * (x[a] - Quad(origin[a]))) - Quad(tile_edge * tile[a]);
+      cell = Quad(tile_edge) * cell + max(Quad(0.0), min(in_tile, Quad(tile_edge - 1)));
+    }
+    return cell;
+  }
+};
+
+namespace detail {
+
+template <Number R, int Dim>
+TALUS_HD Tensor<R> load_gradient(const ScratchView& s, int i) {
+  Tensor<R> L;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) L[a][b] = (a < Dim && b < Dim) || a == b ? load<R>(&s.gradient[a][b][i]) : R(0.0);
+  return L;
+}
+
+/// Calls f(i, states, volumes) for every pack of a tile's particles, from particle i of the tile on.
+template <Number R, class Law, int Dim, class F>
+TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile, F f) {
+  using State = typename Law::template State<R>;
+  for (int i = 0; i < tile.size(); i += width_of<R>) {
+    const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
+    const State state = load_states<R, State>(particles, first, count);
+    f(i, state, load<R>(particles.reference_volume() + first, count) * law.specific_volume(state));
+  }
+}
+
+/// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where it
+/// has opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is what it
+/// was; means of x itself would lose room with every gap that opens in a cell and closes.
+template <Number R, class Law>
+TALUS_HD R share_of_mean(const Law& law, R x) {
+  const R zero(0.0), a(law.growth_in_gap());
+  if (!any(x < zero)) return x;
+  return select(x < zero, a * (exp(min(x, zero) / a) - R(1.0)), x);
+}
+template <Number R, class Law>
+TALUS_HD R compression_of_mean(const Law& law, R mean) {
+  const R zero(0.0), a(law.growth_in_gap());
+  if (!any(mean < zero)) return mean;
+  return select(mean < zero, a * log(max(R(1.0) + min(mean, zero) / a, R(1e-300))), mean);
+}
+
+/// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and
+/// `of_compression` asks for it, of the elastic compression.
+template <Number R, bool of_compression, class Law, int Dim>
+TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+                                 const CellFinder<Dim>& cells, const ScratchView& s) {
+  constexpr int n_cells = power(tile_edge, Dim);
+  static_assert(n_cells % width_of<R> == 0);
+  double volume[n_cells] = {}, x[n_cells] = {}, rate[n_cells] = {}, p[n_cells];
+  for (int i = 0; i < tile.size(); i += 4) {
+    const Quad cell = cells.at(particles.places(tile.begin + i, tile.size() - i < 4 ? tile.size() - i : 4));
+    for (int lane = 0; lane < 4; ++lane) s.cell[i + lane] = int(cell[lane]);
+  }
+  for (int i = 0; i < tile.size(); ++i) {
+    const int c = s.cell[i];
+    volume[c] += s.volume[i];
+    if constexpr (of_compression) x[c] += s.volume[i] * s.x[i];
+    rate[c] += s.volume[i] * (s.gradient[0][0][i] + s.gradient[1][1][i] + s.gradient[2][2][i]);
+  }
+  for (int c = 0; c < n_cells; c += width_of<R>) {
+    for (int k = c; k < c + width_of<R>; ++k)
+      if (volume[k] > 0) {
+        x[k] /= volume[k];
+        rate[k] /= volume[k];
+      }
+    if constexpr (of_compression) {
+      const R mean = compression_of_mean(law, load<R>(&x[c]));
+      store(&x[c], mean);
+      store(&p[c], law.pressure_at(mean));
+    }
+  }
+  for (int i = 0; i < tile.size() || i % width_of<R> != 0; ++i) {  // lanes behind the last particle repeat it
+    const int c = s.cell[i < tile.size() ? i : tile.size() - 1];
+    s.mean_rate[i] = rate[c];
+    if constexpr (of_compression) {
+      s.mean_x[i] = x[c];
+      s.mean_p[i] = p[c];
+    }
+  }
+}
+
+/// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that hold
+/// none.
+template <Number R>
+struct PackSums {
+  R elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
+  R viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
+
+  TALUS_HD void add_to(TileSums& sums) const {
+    sums[Sum::elastic] += sum_of(elastic);
+    sums[Sum::averaging] += sum_of(averaging);
+    sums[Sum::internal_work] += sum_of(internal_work);
+    sums[Sum::plastic_work] += sum_of(plastic_work);
+    sums[Sum::collisional_work] += sum_of(collisional_work);
+    sums.raise(Most::viscosity, largest_of(viscosity));
+    sums[Sum::separated] += sum_of(n_separated);
+    sums[Sum::unconverged] += sum_of(n_unconverged);
+    const double work = sum_of(internal_work);
+    sums[Sum::faulty] += work - work == 0 ? 0 : 1;  // infinite or not a number
+  }
+};
+
+}  // namespace detail
+
+/// Moves the states of a tile's particles through the step. Reads the row `gradient` of the scratch, writes `flux` and
+/// `stiffness`; adds elastic energy, works, outcomes and viscosity to the sums.
+template <Number R, bool f_bar, class Law, int Dim>
+TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Dim>& particles,
+                                          const TileParticles& tile, const CellFinder<Dim>& cells,
+                                          const StressUpdate& how, const ScratchView& s, TileSums& sums) {
+  using namespace detail;
+  using State = typename Law::template State<R>;
+  const int n = tile.size();
+  const bool averages = !f_bar && how.average_pressure && AveragesCompression<Law>;
+  if constexpr (AveragesCompression<Law>) {
+    if (averages) {
+      for_each_pack<R>(law, particles, tile, [&](int i, const State& state, R volume) {
+        store(&s.x[i], share_of_mean(law, Law::compression(state)));
+        store(&s.volume[i], volume);
+      });
+      average_over_cells<R, true>(law, particles, tile, cells, s);
+    }
+  }
+  if constexpr (f_bar) {
+    for_each_pack<R>(law, particles, tile, [&](int i, const State&, R volume) { store(&s.volume[i], volume); });
+    average_over_cells<R, false>(law, particles, tile, cells, s);
+  }
+  const R zero(0.0), dt(how.dt);
+  PackSums<R> total;
+  for (int i = 0; i < n; i += width_of<R>) {
+    const int first = tile.begin + i, count = n - i < width_of<R> ? n - i : width_of<R>;
+    State state = load_states<R, State>(particles, first, count);
+    R reference_volume = load<R>(particles.reference_volume() + first, count);
+    if constexpr (width_of < R >> 1)
+      for (int lane = count; lane < width_of<R>; ++lane) reference_volume.set(lane, 0);
+    const R mass = load<R>(particles.mass() + first, count);
+    const Tensor<R> L = load_gradient<R, Dim>(s, i);
+    const SymTensor<R> rate = symmetric_part(L);
+    const R old_volume = reference_volume * law.specific_volume(state);
+
+    Motion<R> motion{dt * rate, rate, how.dt};
+    Law::turn(state, incremental_rotation(L, how.dt));
+    const auto impose_mean_rate = [&] {
+      const R change = (load<R>(&s.mean_rate[i]) - trace(rate)) * R(1.0 / 3.0);
+      motion.strain_rate = rate + SymTensor<R>::isotropic(change);
+      motion.strain = dt * motion.strain_rate;
+    };
+    if constexpr (f_bar) impose_mean_rate();
+    if constexpr (AveragesCompression<Law>) {
+      if (averages) {
+        impose_mean_rate();
+        const R own = law.elastic_energy(state);
+        law.impose_compression(state, load<R>(&s.mean_x[i]), load<R>(&s.mean_p[i]));
+        total.averaging += old_volume * (own - law.elastic_energy(state));
+      }
+    }
+    const Response<R> response = law.update(state, motion, how.integration);
+    store_states<R>(particles, first, count, state);
+
+    const R volume = reference_volume * law.specific_volume(state);
+    const SymTensor<R> flux = volume * Law::total_stress(state);
+    for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+    total.elastic += volume * law.elastic_energy(state);
+    // With means over cells the material feels the mean rate and the nodes the particle's own: what that costs is
+    // numerical.
+    total.internal_work += volume * response.work;
+    total.plastic_work += volume * response.plastic_work;
+    total.collisional_work += volume * response.collisional_work;
+    store(&s.stiffness[i], volume * response.stiffness);
+    total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
+    const auto ones = [&](Outcome outcome) {
+      return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
+    };
+    total.n_separated += ones(Outcome::separated);
+    total.n_unconverged += ones(Outcome::unconverged);
+  }
+  total.add_to(sums);
+}
+
+/// Writes volume times the stress that the states hold into the row `flux` of the scratch.
+template <Number R, class Law, int Dim>
+TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+                             const ScratchView& s) {
+  detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto& state, R volume) {
+    const SymTensor<R> flux = volume * law.total_stress(state);
+    for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+  });
+}
+
+/// Writes the volumes of a tile's particles into the row `volume` of the scratch [m3].
+template <Number R, class Law, int Dim>
+TALUS_HD void present_volumes(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+                              const ScratchView& s) {
+  detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
+}
+
+}  // namespace talus

@@ -1,0 +1,115 @@
+#pragma once
+/// Sums over the nodes that one particle touches, and over the particles that touch a node.
+///
+/// A node is a plain struct of four numbers, which are interpolated and scattered together (`load_node`), or a double.
+/// The order is that of memory: the first axis runs fastest.
+
+#include "talus/mpm/kernel/weights.hpp"
+
+namespace talus {
+
+/// What a node is loaded as: a `Quad`, or a double.
+template <class Node>
+using NodeNumbers = decltype(load_node(std::declval<const Node&>()));
+
+/// Sum of N_I value_I, of two fields at once.
+template <int Dim, class Shape, class A, class B>
+TALUS_HD void interpolate(const ParticleWeights<Dim, Shape>& w, const A* a, const B* b, Quad& at_a, Quad& at_b) {
+  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
+  at_a = at_b = Quad(0.0);
+  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+    Quad plane_a = Quad(0.0), plane_b = Quad(0.0);
+    for (int j = 0; j < n; ++j) {
+      const int at = w.first() + edge * (j + edge * k);
+      Quad row_a = Quad(0.0), row_b = Quad(0.0);
+      for (int i = 0; i < n; ++i) {
+        row_a = multiply_add(Quad(w.N(0, i)), load_node(a[at + i]), row_a);
+        row_b = multiply_add(Quad(w.N(0, i)), load_node(b[at + i]), row_b);
+      }
+      plane_a = multiply_add(Quad(w.N(1, j)), row_a, plane_a);
+      plane_b = multiply_add(Quad(w.N(1, j)), row_b, plane_b);
+    }
+    const Quad weight(Dim == 3 ? w.N(Dim - 1, k) : 1.0);
+    at_a = multiply_add(weight, plane_a, at_a);
+    at_b = multiply_add(weight, plane_b, at_b);
+  }
+}
+
+/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell: column a of the gradient.
+template <int Dim, class Shape, class Node>
+TALUS_HD void gradient(const ParticleWeights<Dim, Shape>& w, const Node* v, NodeNumbers<Node> (&columns)[Dim]) {
+  using R = NodeNumbers<Node>;
+  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
+  for (auto& c : columns) c = R(0.0);
+  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+    R plane = R(0.0), plane_x = R(0.0), plane_y = R(0.0);
+    for (int j = 0; j < n; ++j) {
+      const int at = w.first() + edge * (j + edge * k);
+      R row = R(0.0), row_x = R(0.0);
+      for (int i = 0; i < n; ++i) {
+        row = multiply_add(R(w.N(0, i)), load_node(v[at + i]), row);
+        row_x = multiply_add(R(w.dN(0, i)), load_node(v[at + i]), row_x);
+      }
+      plane = multiply_add(R(w.N(1, j)), row, plane);
+      plane_x = multiply_add(R(w.N(1, j)), row_x, plane_x);
+      plane_y = multiply_add(R(w.dN(1, j)), row, plane_y);
+    }
+    const R weight(Dim == 3 ? w.N(Dim - 1, k) : 1.0);
+    columns[0] = multiply_add(weight, plane_x, columns[0]);
+    columns[1] = multiply_add(weight, plane_y, columns[1]);
+    if constexpr (Dim == 3) columns[2] = multiply_add(R(w.dN(2, k)), plane, columns[2]);
+  }
+}
+
+/// Adds N_I value to every node.
+template <int Dim, class Shape, class Node>
+TALUS_HD void scatter(const ParticleWeights<Dim, Shape>& w, NodeNumbers<Node> value, Node* nodes) {
+  using R = NodeNumbers<Node>;
+  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
+  nodes += w.first();
+  R N_x[n], row[n];
+  for (int i = 0; i < n; ++i) {
+    N_x[i] = R(w.N(0, i));
+    row[i] = R(w.N(1, i)) * value;
+  }
+  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+    const R N_z(Dim == 3 ? w.N(Dim - 1, k) : 1.0);
+    for (int j = 0; j < n; ++j) {
+      const R part = Dim == 3 ? N_z * row[j] : row[j];
+      Node* at = nodes + edge * (j + edge * k);
+      for (int i = 0; i < n; ++i) store_node(at[i], multiply_add(N_x[i], part, load_node(at[i])));
+    }
+  }
+}
+
+/// Adds N_I value + sum over a of dN_I/dx_a flux[a] to every node; derivatives in units of 1/cell.
+template <int Dim, class Shape, NodeOfFour Node>
+TALUS_HD void scatter_gradient(const ParticleWeights<Dim, Shape>& w, const Quad (&flux)[Dim], Quad value, Node* nodes) {
+  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
+  nodes += w.first();
+  Quad N_x[n], dN_x[n], N_y[n], dN_y[n];
+  for (int i = 0; i < n; ++i) {
+    N_x[i] = Quad(w.N(0, i));
+    dN_x[i] = Quad(w.dN(0, i));
+    N_y[i] = Quad(w.N(1, i));
+    dN_y[i] = Quad(w.dN(1, i));
+  }
+  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+    Quad plane_x = flux[0], plane_y = flux[1], plane = value;
+    if constexpr (Dim == 3) {
+      const Quad N(w.N(2, k));
+      plane_x *= N;
+      plane_y *= N;
+      plane = multiply_add(Quad(w.dN(2, k)), flux[2], N * value);
+    }
+    for (int j = 0; j < n; ++j) {
+      Node* at = nodes + edge * (j + edge * k);
+      const Quad row_x = N_y[j] * plane_x;
+      const Quad row = multiply_add(dN_y[j], plane_y, N_y[j] * plane);
+      for (int i = 0; i < n; ++i)
+        store_node(at[i], multiply_add(dN_x[i], row_x, multiply_add(N_x[i], row, load_node(at[i]))));
+    }
+  }
+}
+
+}  // namespace talus

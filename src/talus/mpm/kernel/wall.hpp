@@ -1,0 +1,204 @@
+#pragma once
+/// Walls on the sides of the domain, at the nodes of a tile.
+///
+/// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall
+/// is the image of the one in front of it, and has its velocity turned round (slip: the normal component; no slip: all
+/// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
+/// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through. Points
+/// do not go behind a wall, so of no shape do they touch more than one node there.
+///
+/// A wall that material may slide on with friction, or lift off, is not known to turn anything round: there the image
+/// goes on in a line from the node in front of the wall through the node on it, v_image = 2 v_wall - v_front, and what it
+/// is handed goes to these two in the same shares. Beside the wall the shape functions are then hat functions, so all
+/// that the wall gives or takes goes through its own nodes, where the contact (kernel/contact.hpp) acts. Were velocity
+/// along the wall mirrored instead, a quarter of what presses on the wall would be the images' and would call up no
+/// friction.
+
+#include <array>
+
+#include "talus/mpm/data/domain.hpp"
+#include "talus/mpm/tile_sums.hpp"
+
+namespace talus {
+
+/// One wall: the plane of nodes in front of it, its own and that of the images.
+struct Mirror {
+  int axis, original, wall, image;
+  bool continues;  ///< images stand in a line with the nodes on the wall and in front of it
+  Quad factors;    ///< otherwise: by which they differ from these
+};
+
+/// Factors for the lanes of a node: `vector` for those components that the wall acts on, 1 for the others.
+TALUS_HD inline Quad wall_factors(WallKind wall, int axis, double vector) {
+  Quad factors(1.0);
+  for (int a = 0; a < 3; ++a)
+    if (wall == WallKind::no_slip || (!is_passable(wall) && a == axis)) factors.set(a, vector);
+  return factors;
+}
+
+/// The walls of a domain that mirror, and what all of them allow. Plain data.
+template <int Dim>
+struct Mirrors {
+  std::array<Wall, 2 * Dim> walls;
+  Index<Dim> n_cells;
+  std::array<Mirror, 2 * Dim> mirrors{};
+  int n = 0;
+
+  explicit Mirrors(const Domain<Dim>& domain) : walls(domain.walls), n_cells(domain.n_cells) {
+    for (int side = 0; side < 2 * Dim; ++side) {
+      if (is_passable(walls[side].kind)) continue;
+      const int axis = side / 2, on = side % 2 == 0 ? 0 : n_cells[axis], inwards = side % 2 == 0 ? 1 : -1;
+      mirrors[n++] = {
+          axis, on + inwards, on, on - inwards, walls[side].is_contact(), wall_factors(walls[side].kind, axis, -1)};
+    }
+  }
+
+  /// 0 for the components of velocity that walls forbid at a node, 1 for the others.
+  TALUS_HD Quad allowed(const TilePlace<Dim>& tile, int node) const {
+    Quad factors(1.0);
+    for (int side = 0; side < 2 * Dim; ++side) {
+      const int axis = side / 2, on = side % 2 == 0 ? 0 : n_cells[axis];
+      if (global_node<Dim>(tile, node)[axis] == on && !walls[side].is_contact())
+        factors *= wall_factors(walls[side].kind, axis, 0);
+    }
+    return factors;
+  }
+  /// Whether a node lies behind a wall.
+  TALUS_HD bool is_image(const TilePlace<Dim>& tile, int node) const {
+    const Index<Dim> i = global_node<Dim>(tile, node);
+    for (int k = 0; k < n; ++k)
+      if (i[mirrors[k].axis] == mirrors[k].image) return true;
+    return false;
+  }
+  /// How much of what a node has gained, beyond what points handed to it, came from walls: all of it at a node that
+  /// counts. At an image it is what turning round adds: what the points there gain counts, and so does what its original
+  /// lacks.
+  TALUS_HD Quad gained_from_walls(const TilePlace<Dim>& tile, int node) const {
+    Quad share(1.0);
+    for (int k = 0; k < n; ++k)
+      if (global_node<Dim>(tile, node)[mirrors[k].axis] == mirrors[k].image)
+        share *= mirrors[k].continues ? Quad(0.0) : Quad(1.0) - mirrors[k].factors;
+    return share;
+  }
+};
+
+/// Calls f(node, factors a wall leaves of its velocity, whether it counts or is an image) for the nodes of a tile.
+template <int Dim, class F>
+TALUS_HD void for_each_node(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, F f) {
+  for (int i = 0; i < power(tile_edge, Dim); ++i) {
+    if (near_wall)
+      f(i, walls.allowed(tile, i), !walls.is_image(tile, i));
+    else
+      f(i, Quad(1.0), true);
+  }
+}
+
+/// Whether a tile holds nodes of index `node` along an axis.
+template <int Dim>
+TALUS_HD bool holds(const Tile<Dim>& tile, int axis, int node) {
+  const int i = node - tile_edge * tile.place[axis];
+  return i >= 0 && i < tile_edge;
+}
+
+/// Calls f(node, tile of its partner, node of its partner) for the nodes of a tile at index `here` along an axis, whose
+/// partners are at `there`.
+template <int Dim, class F>
+TALUS_HD void for_each_partner(const Tile<Dim>& tile, int axis, int here, int there, F f) {
+  const int first = tile_edge * tile.place[axis];
+  const int shift = there < first ? -1 : there >= first + tile_edge ? 1 : 0;
+  Index<Dim> offset{};
+  offset[axis] = shift;
+  const int other = tile.neighbours[neighbour_at<Dim>(offset)];
+  if (other < 0) return;  // no points reach there
+  for (int node = 0; node < power(tile_edge, Dim); ++node) {
+    Index<Dim> i = unflatten<Dim>(node, tile_edge);
+    if (i[axis] != here - first) continue;
+    i[axis] = there - first - shift * tile_edge;
+    f(node, other, flatten<Dim>(i, tile_edge));
+  }
+}
+
+/// What sums at images and velocities of images are of those at their originals.
+TALUS_HD inline Quad factors_of(const Mirror& m) { return m.continues ? Quad(-1.0) : m.factors; }
+
+/// Adds the sums at images to the nodes of a tile that are their originals; `nodal`: those of all tiles.
+template <int Dim, NodeOfFour Node>
+TALUS_HD void fold_to_originals(const Tile<Dim>* tiles, int t, const Mirror& m, Node* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  for_each_partner(tiles[t], m.axis, m.original, m.image, [&](int own, int other, int theirs) {
+    Node& mine = nodal[std::size_t(t) * n + own];
+    store_node(mine, load_node(mine) + factors_of(m) * load_node(nodal[std::size_t(other) * n + theirs]));
+  });
+}
+/// Adds to the nodes of a tile that lie on a wall which continues what images beyond them hand on.
+template <int Dim, NodeOfFour Node>
+TALUS_HD void fold_to_wall(const Tile<Dim>* tiles, int t, const Mirror& m, Node* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  for_each_partner(tiles[t], m.axis, m.wall, m.image, [&](int own, int other, int theirs) {
+    Node& mine = nodal[std::size_t(t) * n + own];
+    store_node(mine, load_node(mine) + Quad(2.0) * load_node(nodal[std::size_t(other) * n + theirs]));
+  });
+}
+
+/// The same for sums of volume, which have no direction.
+template <int Dim>
+TALUS_HD void fold_to_originals(const Tile<Dim>* tiles, int t, const Mirror& m, double* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  for_each_partner(tiles[t], m.axis, m.original, m.image, [&](int own, int other, int theirs) {
+    nodal[std::size_t(t) * n + own] += (m.continues ? -1.0 : 1.0) * nodal[std::size_t(other) * n + theirs];
+  });
+}
+template <int Dim>
+TALUS_HD void fold_to_wall(const Tile<Dim>* tiles, int t, const Mirror& m, double* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  for_each_partner(tiles[t], m.axis, m.wall, m.image, [&](int own, int other, int theirs) {
+    nodal[std::size_t(t) * n + own] += 2.0 * nodal[std::size_t(other) * n + theirs];
+  });
+}
+
+/// Sets the vectors of a tile's images from those of their originals, turned round or in a line with those on the wall.
+/// The fourth number of an image stays.
+template <int Dim, NodeOfFour Node>
+TALUS_HD void extend_to_images(const Tile<Dim>* tiles, int t, const Mirror& m, Node* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  const auto at = [&](int tile, int node) -> Node& { return nodal[std::size_t(tile) * n + node]; };
+  const auto put = [&](Node& image, Quad value) {
+    value.set(3, load_node(image)[3]);
+    store_node(image, value);
+  };
+  for_each_partner(tiles[t], m.axis, m.image, m.original, [&](int own, int other, int theirs) {
+    put(at(t, own), factors_of(m) * load_node(at(other, theirs)));
+  });
+  if (!m.continues) return;
+  for_each_partner(tiles[t], m.axis, m.image, m.wall, [&](int own, int other, int theirs) {
+    put(at(t, own), load_node(at(t, own)) + Quad(2.0) * load_node(at(other, theirs)));
+  });
+}
+
+/// Sets the numbers of a tile's images to those of their originals.
+template <int Dim>
+TALUS_HD void extend_evenly(const Tile<Dim>* tiles, int t, const Mirror& m, double* nodal) {
+  constexpr int n = power(tile_edge, Dim);
+  for_each_partner(tiles[t], m.axis, m.image, m.original, [&](int own, int other, int theirs) {
+    nodal[std::size_t(t) * n + own] = nodal[std::size_t(other) * n + theirs];
+  });
+}
+
+/// Adds up what a tile's nodes have gained from walls and solids: mass times `nodal` is what they have, `received` and
+/// `mass` times `everywhere` what particles and gravity gave them.
+template <int Dim, NodeOfFour Received, NodeOfFour Node>
+TALUS_HD Vec<3> gain_from_walls(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
+                                const MassVelocity* velocity, const Received* received, const Node* nodal,
+                                Quad everywhere) {
+  Quad gained(0.0);
+  for (int i = 0; i < power(tile_edge, Dim); ++i) {
+    const Quad mass(velocity[i].mass);
+    const bool image = near_wall && walls.is_image(tile, i);
+    const Quad from_points = image ? load_node(received[i]) : load_node(received[i]) + mass * everywhere;
+    const Quad share = near_wall ? walls.gained_from_walls(tile, i) : Quad(1.0);
+    gained += share * (mass * load_node(nodal[i]) - from_points);
+  }
+  return vector_of(gained);
+}
+
+}  // namespace talus

@@ -1,0 +1,123 @@
+#pragma once
+/// All that the stages of a step work on: bodies, the grid under them, walls and contacts.
+
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <vector>
+
+#include "talus/mpm/backend.hpp"
+#include "talus/mpm/contact_finder.hpp"
+#include "talus/mpm/data/body.hpp"
+#include "talus/mpm/data/grid.hpp"
+#include "talus/mpm/data/scratch.hpp"
+#include "talus/mpm/halo.hpp"
+#include "talus/mpm/inspect.hpp"
+#include "talus/mpm/kernel/mass_and_momentum.hpp"
+#include "talus/mpm/room.hpp"
+#include "talus/mpm/walls.hpp"
+
+namespace talus {
+
+/// The share of its own velocity that a particle keeps in a step.
+inline double share_kept(const Numerics& n, double dt) {
+  if (is_affine(n.transfer)) return 0;
+  if (n.transfer == Transfer::affine_tau) return 1;
+  return n.transfer == Transfer::flip_tau ? std::exp(-dt / n.tau) : n.flip_share;
+}
+
+/// What a stage needs to know of the step that it is part of.
+struct StepInput {
+  double time;        ///< at the start of the step [s]
+  double dt;          ///< [s]
+  double kept;        ///< share of its own velocity that a particle keeps in the step
+  double least_mass;  ///< below which a node has none [kg]
+};
+
+template <int Dim, class Shape>
+struct Model {
+  using Layout = TileLayout<Dim, Shape>;
+
+  Model(const Domain<Dim>& box, std::vector<Solid> solids, std::vector<ShapedBody<Dim, Shape>> shaped_bodies,
+        const Vec<Dim>& g, const Numerics& n, Backend& where)
+      : domain(box),
+        gravity(g),
+        numerics(n),
+        bodies(std::move(shaped_bodies)),
+        backend(where),
+        contact_finder(box, std::move(solids)),
+        rooms(box, bodies.front().shape),
+        scratch(std::size_t(where.n_workers())) {
+    for (const auto& body : bodies) {
+      n_at_start.push_back(body.particles.size());
+      most_room.push_back(loosest * largest_volume_per_mass<Dim>(body));
+    }
+    n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
+  }
+
+  Domain<Dim> domain;
+  Vec<Dim> gravity;
+  Numerics numerics;
+  std::vector<ShapedBody<Dim, Shape>> bodies;
+  std::vector<long> n_at_start;  ///< particles of the bodies, all owners together
+  long n_particles = 0;          ///< now, all owners together
+  Backend& backend;
+  ContactFinder<Dim> contact_finder;
+  NodeRooms<Dim, Shape> rooms;
+  std::vector<double> most_room;  ///< that particles of a body need [m3/kg]
+
+  // What follows from how particles are arranged (arrangement.hpp).
+  Grid<Dim, Shape> grid;
+  Halo halo;
+  std::optional<Walls<Dim>> walls;
+  std::vector<std::vector<NodeContact>> contacts;  ///< tile by tile
+  Shares shares;                                   ///< the tiles, dealt out to threads
+  std::vector<Scratch> scratch;                    ///< one a thread
+
+  /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
+  static constexpr double loosest = 1.25;
+
+  /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
+  template <class F>
+  TileSums over_tiles(F f) {
+    std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
+    backend.for_each(shares, [&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); });
+    return reduce(backend, halo, grid.tiles(), parts);
+  }
+
+  /// Whether a tile has particles of this owner.
+  bool has_particles(int t) const { return grid.tile(t).occupied && grid.tile(t).owned; }
+  TilePoints<Dim, Shape> points(const ShapedBody<Dim, Shape>& body, int t) const {
+    return points_of(body, grid.tile(t), t);
+  }
+  /// Calls f(body, its particles in the tile) for the bodies that have some there.
+  template <class F>
+  void for_each_body(int t, F f) {
+    for (auto& body : bodies)
+      if (const auto p = points(body, t); p.size() > 0) f(body, p);
+  }
+
+  Quad gravity_at_nodes() const {
+    Quad g(0.0);
+    for (int a = 0; a < Dim; ++a) g.set(a, gravity[a]);
+    return g;
+  }
+  ContactsView contacts_of(int t) {
+    auto& list = contacts[std::size_t(t)];
+    return {list.data(), int(list.size())};
+  }
+  /// Nodal sums = what all windows hold, images included.
+  template <class Nodes, class Windows>
+  void add_windows(Windows& windows, Nodes& nodes) {
+    exchange_windows(backend, halo, windows);
+    backend.for_each(shares,
+                     [&](int t, int) { talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t)); });
+    walls->fold(backend, nodes.data());
+  }
+  template <class Nodes>
+  auto window_of(int t, const Nodes& nodes, typename Nodes::Value* window) const {
+    fill_window<Dim, Shape>(grid.tile(t), nodes.data(), window);
+  }
+};
+
+}  // namespace talus

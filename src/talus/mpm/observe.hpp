@@ -1,0 +1,70 @@
+#pragma once
+/// What can be seen of a run between two steps.
+
+#include <limits>
+#include <vector>
+
+#include "talus/mpm/inspect.hpp"
+#include "talus/mpm/kernel/gradient.hpp"
+#include "talus/mpm/model.hpp"
+
+namespace talus {
+
+/// Strain rates of a body's particles, as the next step would see them; the nodes have their velocities.
+template <int Dim, class Shape>
+std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body) {
+  std::vector<SymTensor<double>> rates(std::size_t(body.particles.size()), SymTensor<double>::zero());
+  m.backend.for_each(m.grid.n_tiles(), [&](int t, int worker) {
+    if (!m.has_particles(t)) return;
+    const auto points = m.points(body, t);
+    if (points.size() == 0) return;
+    MassVelocity velocity[TileLayout<Dim, Shape>::n_window];
+    m.window_of(t, m.grid.velocity, velocity);
+    const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+    find_gradients(points, m.domain, velocity, s);
+    for (int i = 0; i < points.size(); ++i)
+      rates[std::size_t(points.range.begin + i)] = symmetric_part(s.gradient_of(i));
+  });
+  return rates;
+}
+
+/// Everything at an instant, of the particles that are there. If `broken`, particles may stand anywhere: strain rates are
+/// zero.
+template <int Dim, class Shape>
+Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken) {
+  Observation seen{time, step, {}};
+  const long n_at_start = std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L);
+  int number = 0;
+  for (const auto& body : m.bodies) {
+    const auto rates =
+        broken ? std::vector<SymTensor<double>>(std::size_t(body.particles.size()), SymTensor<double>::zero())
+               : strain_rates(m, body);
+    observe_body<Dim>(body, number++, rates, n_at_start, seen);
+  }
+  gather(m.backend, seen);
+  if (m.n_particles < n_at_start) leave_out_what_has_left(seen);
+  return seen;
+}
+
+template <int Dim, class Shape>
+ParticlePlaces places_of(const Model<Dim, Shape>& m) {
+  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t n = std::size_t(std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L));
+  ParticlePlaces all;
+  all.places.resize(n, {nowhere, nowhere, nowhere});
+  all.sizes.resize(n, nowhere);
+  for (const auto& body : m.bodies) place_body<Dim>(body, m.domain.axisymmetric, all);
+  gather(m.backend, all);
+  return all;
+}
+
+template <int Dim, class Shape>
+std::string describe_particle(const Model<Dim, Shape>& m, long id) {
+  std::string text;
+  for (const auto& body : m.bodies)
+    for (int i = 0; i < body.particles.size() && text.empty(); ++i)
+      if (long(body.particles.id()[i]) == id) text = describe<Dim>(body, i);
+  return gather(m.backend, text);
+}
+
+}  // namespace talus

@@ -1,0 +1,101 @@
+#pragma once
+/// Takes from the particles' velocities what has decayed since the last time of what is not locally affine: v_p -= share
+/// (v - F v)_p (kernel/filter.hpp).
+
+#include <cmath>
+#include <utility>
+
+#include "talus/mpm/stage/velocities.hpp"
+
+namespace talus {
+
+/// What a filter of velocities has cost.
+struct FilterCost {
+  TileSums contacts;   ///< `wall_work` and `wall_impulse` of what held fits on surfaces
+  TileSums particles;  ///< as they are now; `wall_impulse` of walls that mirror
+};
+
+/// Moments and fits around nodes; they do not outlive a filter but keep their memory.
+template <int Dim, class Shape>
+class VelocityFilter {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+
+  /// Leaves `share` of what is to be left out. Then particles have given their momentum to their windows anew.
+  FilterCost apply(Model<Dim, Shape>& m, const StepInput& step, double share) {
+    if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
+    find_moments(m);
+    const TileSums contacts = m.over_tiles([&](int t, int, TileSums& sums) {
+      for (int i = 0; i < Layout::n_nodes; ++i) fits_.of(t)[i] = fit_velocity(moments_.of(t)[i], step.least_mass);
+      for (NodeContact& c : m.contacts_of(t)) {
+        if (!c.holds) continue;
+        const FilterMoments<Dim>& around = moments_.of(t)[c.node];
+        const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node]);
+        c.pressed = dot(impulse, c.normal) / around.mass();
+        sums[Sum::wall_work] += dot(impulse, c.velocity);
+        if (!m.walls->near_wall(t)) sums.add(Sum::wall_impulse, impulse);
+      }
+    });
+    m.walls->extend(m.backend, fits_.data());
+    const TileSums particles = m.over_tiles([&](int t, int, TileSums& sums) {
+      sums.add(Sum::wall_impulse, share * gain_of(t));
+      if (!m.has_particles(t)) return;
+      FilterFit<Dim> fits[Layout::n_window];
+      m.window_of(t, fits_, fits);
+      m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
+      add_up_particles_of_tile(m, t, sums);
+      add_momentum_of_tile(m, t);
+    });
+    return {contacts, particles};
+  }
+
+  /// Bytes held.
+  std::size_t bytes() const {
+    std::size_t b = moments_.bytes() + fits_.bytes() + windows_.bytes();
+    for (const auto& given : from_particles_) b += given.capacity() * sizeof(FilterMoments<Dim>);
+    return b;
+  }
+
+ private:
+  void find_moments(Model<Dim, Shape>& m) {
+    moments_.resize(m.grid.n_tiles());
+    fits_.resize(m.grid.n_tiles());
+    windows_.resize(m.grid.n_occupied());
+    [&]<int... quads>(std::integer_sequence<int, quads...>) { (find_quad<quads>(m), ...); }
+    (std::make_integer_sequence<int, FilterMoments<Dim>::n_quads>());
+    from_particles_.assign(std::size_t(m.grid.n_tiles()), {});
+    for (int t = 0; t < m.grid.n_tiles(); ++t)
+      if (m.walls->near_wall(t))
+        from_particles_[std::size_t(t)].assign(moments_.of(t), moments_.of(t) + Layout::n_nodes);
+    m.walls->fold(m.backend, moments_.data());
+  }
+  /// One quad of the moments of all nodes.
+  template <int quad>
+  void find_quad(Model<Dim, Shape>& m) {
+    m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
+      if (!m.has_particles(t)) return;
+      clear_window<Dim, Shape>(windows_.of(t));
+      m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<quad>(p, m.domain, windows_.of(t)); });
+    });
+    exchange_windows(m.backend, m.halo, windows_);
+    m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
+      FourMoments sums[Layout::n_nodes];
+      add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), sums);
+      for (int i = 0; i < Layout::n_nodes; ++i) moments_.of(t)[i].quads[quad] = sums[i];
+    });
+  }
+  /// The momentum that the fits of a tile near a wall have beyond that of the particles they were made from [N s].
+  Vec<3> gain_of(int t) const {
+    Quad gained(0.0);
+    const auto& particles = from_particles_[std::size_t(t)];
+    for (std::size_t i = 0; i < particles.size(); ++i) gained = momentum_gained(particles[i], fits_.of(t)[i], gained);
+    return vector_of(gained);
+  }
+
+  typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals
+  typename Grid<Dim, Shape>::template Nodes<FilterFit<Dim>> fits_;
+  typename Grid<Dim, Shape>::template Windows<FourMoments> windows_;
+  std::vector<std::vector<FilterMoments<Dim>>> from_particles_;  ///< of the nodes of tiles near walls
+};
+
+}  // namespace talus

@@ -1,0 +1,74 @@
+#pragma once
+/// New velocities and places of particles.
+
+#include "talus/mpm/kernel/advance.hpp"
+#include "talus/mpm/stage/stresses.hpp"
+
+namespace talus {
+
+/// v_p, x_p or both, of a tile's particles.
+template <Advance which, int Dim, class Shape>
+void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step) {
+  using Layout = TileLayout<Dim, Shape>;
+  MassVelocity new_velocity[Layout::n_window];
+  Acceleration acceleration[Layout::n_window];
+  m.window_of(t, m.grid.new_velocity, new_velocity);
+  m.window_of(t, m.grid.acceleration, acceleration);
+  if (which != Advance::places && is_affine(m.numerics.transfer))
+    m.for_each_body(t, [&](auto&, const auto& points) {
+      if (m.numerics.transfer == Transfer::apic)
+        find_affine_motion<true>(points, m.domain, new_velocity);
+      else
+        find_affine_motion<false>(points, m.domain, new_velocity);
+    });
+  m.for_each_body(t, [&](auto&, const auto& points) {
+    advance<which>(points, m.domain, step.dt, step.kept, new_velocity, acceleration);
+  });
+}
+
+/// Power of the loads on a tile's particles [W].
+template <int Dim, class Shape>
+double power_of_loads(Model<Dim, Shape>& m, int t, double time) {
+  double power = 0;
+  if (std::all_of(m.bodies.begin(), m.bodies.end(), [](const auto& body) { return body.loads.empty(); })) return power;
+  MassVelocity velocity[TileLayout<Dim, Shape>::n_window];
+  m.window_of(t, m.grid.velocity, velocity);
+  m.for_each_body(t, [&](auto& body, const auto& points) {
+    for (int k = 0; k < int(body.loads.size()); ++k)
+      add_power_of_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), velocity, power);
+  });
+  return power;
+}
+
+/// v_p from the nodes, and back to them with the same weights (musl).
+template <int Dim, class Shape>
+TileSums speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
+  const Quad gravity = m.gravity_at_nodes();
+  return m.over_tiles([&](int t, int, TileSums& sums) {
+    add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, sums);
+    if (!m.has_particles(t)) return;
+    advance_tile<Advance::velocities>(m, t, step);
+    add_momentum_of_tile(m, t);
+  });
+}
+
+/// v_p (if stress came first) and x_p from the nodes. Then, unless particles are about to be `rearranged`, they give mass
+/// and momentum to the nodes where they are now.
+template <int Dim, class Shape>
+TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
+  const Quad gravity = m.gravity_at_nodes();
+  const bool stress_first = m.numerics.order == Order::usf;
+  return m.over_tiles([&](int t, int, TileSums& sums) {
+    if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, sums);
+    if (!m.has_particles(t)) return;
+    sums[Sum::load_power] += power_of_loads(m, t, step.time);
+    if (stress_first)
+      advance_tile<Advance::both>(m, t, step);
+    else
+      advance_tile<Advance::places>(m, t, step);
+    add_up_particles_of_tile(m, t, sums);
+    if (!rearranged && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t);
+  });
+}
+
+}  // namespace talus

@@ -1,0 +1,75 @@
+#pragma once
+/// Takes out of the run the particles that have left through sides that let out. Until particles are put in order they
+/// stay on outside, for a tenth of a cell or so.
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "talus/mpm/ledger.hpp"
+#include "talus/mpm/model.hpp"
+
+namespace talus {
+
+/// What particles from `first` on of all owners' parts of a body hold.
+template <int Dim, class Shape>
+Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first, long& n) {
+  const Particles<Dim>& p = body.particles;
+  const std::vector<double> energies = elastic_energies<Dim>(body, first);
+  Message mine;
+  for (int i = first; i < p.size(); ++i) {
+    mine.push_back(p.mass()[i]);
+    for (int a = 0; a < Dim; ++a) mine.insert(mine.end(), {p.velocity(a)[i], p.position(a)[i]});
+    mine.push_back(energies[std::size_t(i - first)]);
+  }
+  Outflow out;
+  n = 0;
+  for (const Message& rows : m.backend.gather(mine))
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 2 * Dim + 2) {
+      const double mass = row[0];
+      out.mass += mass;
+      for (int a = 0; a < Dim; ++a) {
+        const double v = row[1 + 2 * a], x = row[2 + 2 * a];
+        out.momentum[a] += mass * v;
+        out.kinetic += 0.5 * mass * v * v;
+        out.potential -= mass * m.gravity[a] * x;
+      }
+      out.elastic += row[2 * Dim + 1];
+      ++n;
+    }
+  return out;
+}
+
+/// Notes in the ledger what they took along.
+template <int Dim, class Shape>
+void let_out(Model<Dim, Shape>& m, Ledger& ledger) {
+  for (int side = 0; side < 2 * Dim; ++side) {
+    if (!m.domain.lets_out(side)) continue;
+    const int axis = side / 2;
+    const auto is_out = [&](double x) {
+      x = (x - m.domain.origin[axis]) / m.domain.h;
+      return side % 2 == 0 ? x < 0 : x > m.domain.n_cells[axis];
+    };
+    for (auto& body : m.bodies) {
+      Particles<Dim>& p = body.particles;
+      const double* x = p.position(axis);
+      std::vector<int> order(std::size_t(p.size()));
+      std::iota(order.begin(), order.end(), 0);
+      const auto first_out = std::stable_partition(order.begin(), order.end(), [&](int i) { return !is_out(x[i]); });
+      const int kept = int(first_out - order.begin());
+      if (kept < p.size()) {
+        std::vector<double> spare(std::size_t(p.size()));
+        for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
+      }
+      if (kept == p.size() && m.backend.n_owners() == 1) continue;
+      long n_left = 0;
+      const Outflow out = held_by_particles<Dim, Shape>(m, body, kept, n_left);
+      if (n_left == 0) continue;
+      ledger.add_outflow(out);
+      m.n_particles -= n_left;
+      p.resize(kept);
+    }
+  }
+}
+
+}  // namespace talus

@@ -1,0 +1,78 @@
+#pragma once
+/// Particles that stand closer than their volumes leave room for move apart (kernel/shift.hpp).
+
+#include "talus/mpm/kernel/shift.hpp"
+#include "talus/mpm/stage/velocities.hpp"
+#include "talus/mpm/stress_update.hpp"
+
+namespace talus {
+
+/// Volumes around nodes, how full these are, and by how much they are too full; they do not outlive a shift but keep their
+/// memory.
+template <int Dim, class Shape>
+class ParticleShift {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+
+  /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles hold.
+  TileSums apply(Model<Dim, Shape>& m, double time) {
+    windows_.resize(m.grid.n_occupied());
+    volume_.resize(m.grid.n_tiles());
+    filling_.resize(m.grid.n_tiles());
+    excess_.resize(m.grid.n_tiles());
+    m.backend.for_each(m.shares, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
+    exchange_windows(m.backend, m.halo, windows_);
+    m.backend.for_each(m.shares,
+                       [&](int t, int) { add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), volume_.of(t)); });
+    m.walls->fold(m.backend, volume_.data());
+    m.backend.for_each(m.shares, [&](int t, int) {
+      for (int i = 0; i < Layout::n_nodes; ++i)
+        filling_.of(t)[i] = volume_.of(t)[i] / m.rooms.at(m.grid.tile(t).place, i);
+    });
+    m.walls->extend_evenly(m.backend, filling_.data());
+    m.backend.for_each(m.shares, [&](int t, int) {
+      double filling[Layout::n_window];
+      m.window_of(t, filling_, filling);
+      find_excess<Dim, Shape>(filling, excess_.of(t));
+    });
+    m.walls->extend_evenly(m.backend, excess_.data());
+    return m.over_tiles([&](int t, int, TileSums& sums) {
+      if (!m.has_particles(t)) return;
+      shift_tile(m, t, time);
+      add_up_particles_of_tile(m, t, sums);
+    });
+  }
+
+  /// Bytes held.
+  std::size_t bytes() const { return windows_.bytes() + volume_.bytes() + filling_.bytes() + excess_.bytes(); }
+
+ private:
+  void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker) {
+    if (!m.has_particles(t)) return;
+    clear_window<Dim, Shape>(windows_.of(t));
+    for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+      const auto points = m.points(m.bodies[b], t);
+      const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      present_volumes(m.bodies[b].law, points.particles, points.range, s);
+      add_volumes(points, m.domain, m.most_room[b], s, windows_.of(t));
+    }
+  }
+
+  void shift_tile(Model<Dim, Shape>& m, int t, double time) {
+    double excess[Layout::n_window];
+    m.window_of(t, excess_, excess);
+    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) {
+      return m.contact_finder.solids().empty() ? shift : m.contact_finder.beside_solids(x, shift, time);
+    };
+    m.for_each_body(t, [&](auto& body, const auto& points) {
+      if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, beside_solids);
+    });
+  }
+
+  typename Grid<Dim, Shape>::template Windows<double> windows_;
+  typename Grid<Dim, Shape>::template Nodes<double> volume_;   ///< of the particles around nodes [m3]
+  typename Grid<Dim, Shape>::template Nodes<double> filling_;  ///< that volume over the room around a node
+  typename Grid<Dim, Shape>::template Nodes<double> excess_;   ///< by how much nodes are too full
+};
+
+}  // namespace talus

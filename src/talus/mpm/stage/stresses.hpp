@@ -1,0 +1,104 @@
+#pragma once
+/// Stresses of particles, and what they and loads exert on nodes.
+
+#include "talus/mpm/kernel/force.hpp"
+#include "talus/mpm/kernel/load.hpp"
+#include "talus/mpm/stage/velocities.hpp"
+#include "talus/mpm/stress_update.hpp"
+
+namespace talus {
+
+/// A load of a body at an instant.
+template <int Dim>
+LoadView view_of(const Body<Dim>& body, int load, const Domain<Dim>& domain, double time) {
+  const SurfaceLoad& l = body.loads[std::size_t(load)];
+  return {l.at(time), body.particles.loaded_area(load), l.side / 2,
+          (l.side % 2 == 0 ? -0.5 : 0.5) * body.spacing / domain.h};
+}
+
+/// f_I of a tile's particles from the rows `flux` and `stiffness` of the scratch.
+template <int Dim, class Shape>
+void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, int t, const ScratchView& s) {
+  ForceStiffness* window = m.grid.force_windows.of(t);
+  if constexpr (Dim == 2)
+    if (m.domain.axisymmetric) return add_forces<true>(points, m.domain, s, window);
+  add_forces<false>(points, m.domain, s, window);
+}
+/// f_I of what presses and pulls on the sides of a body in a tile.
+template <int Dim, class Shape>
+void add_loads_of(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, const TilePoints<Dim, Shape>& points, int t,
+                  double time, Vec<3>& total) {
+  for (int k = 0; k < int(body.loads.size()); ++k)
+    add_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), m.grid.force_windows.of(t), total);
+}
+
+/// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
+template <int Dim, class Shape>
+TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
+  using Layout = TileLayout<Dim, Shape>;
+  const Numerics& n = m.numerics;
+  const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar};
+  const bool stress_first = n.order == Order::usf;
+  return m.over_tiles([&](int t, int worker, TileSums& sums) {
+    if (stress_first) add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), sums);
+    if (!m.has_particles(t)) return;
+    MassVelocity velocity[Layout::n_window];
+    m.window_of(t, m.grid.velocity, velocity);
+    if (stress_first) clear_window<Dim, Shape>(m.grid.force_windows.of(t));
+    const CellFinder<Dim> cells{m.domain.origin, 1 / m.domain.h, m.grid.tile(t).place};
+    Vec<3> load{};
+    m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
+      const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      find_gradients(points, m.domain, velocity, s);
+      update_stress(body.law, points.particles, points.range, cells, how, s, sums);
+      if (stress_first) {
+        add_forces_of(m, points, t, s);
+        add_loads_of(m, body, points, t, step.time, load);
+      } else {
+        std::copy_n(s.stiffness, points.size(), points.particles.wave_modulus() + points.range.begin);
+      }
+    });
+    sums.add(Sum::load_force, load);
+  });
+}
+
+/// f_I = -sum V sigma grad N of the stress as it is (musl).
+template <int Dim, class Shape>
+TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
+  return m.over_tiles([&](int t, int worker, TileSums& sums) {
+    add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), sums);
+    if (!m.has_particles(t)) return;
+    clear_window<Dim, Shape>(m.grid.force_windows.of(t));
+    Vec<3> load{};
+    m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
+      const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      present_stress(body.law, points.particles, points.range, s);
+      std::copy_n(points.particles.wave_modulus() + points.range.begin, points.size(), s.stiffness);
+      add_forces_of(m, points, t, s);
+      add_loads_of(m, body, points, t, step.time, load);
+    });
+    sums.add(Sum::load_force, load);
+  });
+}
+
+/// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it.
+template <int Dim, class Shape>
+TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
+  m.add_windows(m.grid.force_windows, m.grid.force);
+  const Quad gravity = m.gravity_at_nodes();
+  const TileSums total = m.over_tiles([&](int t, int, TileSums& sums) {
+    auto& g = m.grid;
+    const auto& walls = m.walls->mirrors();
+    const Index<Dim>& place = g.tile(t).place;
+    accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
+               g.acceleration.of(t), g.new_velocity.of(t), sums);
+    if (m.contact_finder.any())
+      rub_on_surfaces(m.contacts_of(t), place, walls, step.dt, gravity, g.force.of(t), g.velocity.of(t),
+                      g.new_velocity.of(t), g.acceleration.of(t), sums);
+  });
+  m.walls->extend(m.backend, m.grid.new_velocity.data());
+  m.walls->extend(m.backend, m.grid.acceleration.data());
+  return total;
+}
+
+}  // namespace talus

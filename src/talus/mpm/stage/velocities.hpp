@@ -1,0 +1,73 @@
+#pragma once
+/// Between particles and nodes: mass and momentum, and the velocities of nodes.
+
+#include "talus/mpm/model.hpp"
+
+namespace talus {
+
+/// The particles of a tile add mass and momentum to its window.
+template <int Dim, class Shape>
+void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
+  if (!m.has_particles(t)) return;
+  MassMomentum* window = m.grid.momentum_windows.of(t);
+  clear_window<Dim, Shape>(window);
+  m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, window); });
+  if (!is_affine(m.numerics.transfer)) return;
+  m.for_each_body(t, [&](auto&, const auto& points) {
+    if (m.numerics.transfer == Transfer::apic)
+      add_affine_momentum<true>(points, m.domain, window);
+    else
+      add_affine_momentum<false>(points, m.domain, window);
+  });
+}
+template <int Dim, class Shape>
+void add_momentum(Model<Dim, Shape>& m) {
+  m.backend.for_each(m.shares, [&](int t, int) { add_momentum_of_tile(m, t); });
+}
+
+/// Mass, momentum and energy of a tile's particles.
+template <int Dim, class Shape>
+void add_up_particles_of_tile(Model<Dim, Shape>& m, int t, TileSums& sums) {
+  if (!m.has_particles(t)) return;
+  ParticleSums<Dim> total;
+  m.for_each_body(t, [&](auto&, const auto& points) { add_up_particles(points, m.domain, m.gravity, total); });
+  total.add_to(sums);
+}
+template <int Dim, class Shape>
+TileSums add_up_particles(Model<Dim, Shape>& m) {
+  return m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); });
+}
+
+/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. What pressed on contacts when velocities have just
+/// been `filtered` goes on pressing. Returns `held_kinetic` and `wall_work`.
+template <int Dim, class Shape>
+TileSums find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
+  m.add_windows(m.grid.momentum_windows, m.grid.momentum);
+  const TileSums total = m.over_tiles([&](int t, int, TileSums& sums) {
+    const auto& walls = m.walls->mirrors();
+    const bool near_wall = m.walls->near_wall(t);
+    const Index<Dim>& place = m.grid.tile(t).place;
+    find_velocities(place, walls, near_wall, step.least_mass, m.grid.momentum.of(t), m.grid.velocity.of(t), sums);
+    if (!m.contact_finder.any()) return;
+    std::vector<NodeContact>& contacts = m.contacts[std::size_t(t)];
+    const std::vector<NodeContact> before = filtered ? contacts : std::vector<NodeContact>();
+    m.contact_finder.find(m.grid.tiles(), m.grid.momentum.data(), walls, near_wall, t, step.time, step.least_mass,
+                          contacts);
+    meet_surfaces(m.contacts_of(t), place, walls, 1 - step.kept, m.grid.velocity.of(t), sums);
+    for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
+  });
+  m.walls->extend(m.backend, m.grid.velocity.data());
+  return total;
+}
+
+/// What a tile's nodes have gained from walls and solids: `nodal` times their mass, beyond what they have `received`.
+template <int Dim, class Shape, class Received, class Nodes>
+void add_gain_from_walls(Model<Dim, Shape>& m, int t, const Received& received, const Nodes& nodal, Quad everywhere,
+                         TileSums& sums) {
+  const bool near_wall = m.walls->near_wall(t);
+  if (!near_wall && (!m.contact_finder.any() || m.contacts[std::size_t(t)].empty())) return;
+  sums.add(Sum::wall_impulse, gain_from_walls(m.grid.tile(t).place, m.walls->mirrors(), near_wall,
+                                              m.grid.velocity.of(t), received.of(t), nodal.of(t), everywhere));
+}
+
+}  // namespace talus

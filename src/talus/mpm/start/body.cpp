@@ -1,0 +1,96 @@
+#include "talus/mpm/start/body.hpp"
+
+#include <algorithm>
+
+#include "talus/base/error.hpp"
+#include "talus/mpm/inspect.hpp"
+#include "talus/mpm/start/filling.hpp"
+#include "talus/mpm/start/surface_load.hpp"
+
+namespace talus {
+
+namespace {
+
+/// The centre of a body's mass.
+Vec<3> centre_of(const Filling& filling) {
+  Vec<3> centre{};
+  double whole = 0;
+  for (std::size_t i = 0; i < filling.points.size(); ++i) {
+    centre = centre + filling.volumes[i] * filling.points[i];
+    whole += filling.volumes[i];
+  }
+  return (1 / whole) * centre;
+}
+
+/// Places, velocities, masses and states of the particles.
+template <int Dim, class Law>
+void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const BodySpec& spec, const Filling& filling,
+                   const Overburden& overburden, long first_id) {
+  const auto& [points, volumes] = filling;
+  const double density = bulk_density(case_.materials[spec.material], spec);
+  const Vec<3> centre = centre_of(filling);
+  for (int i = 0; i < p.size(); ++i) {
+    const Vec<3> velocity = spec.velocity + cross(spec.angular_velocity, points[i] - centre);
+    const auto state =
+        law.at_rest(initial_state(case_, spec, overburden.on(points[i], width_at_start(spec, volumes[i], Dim)).stress));
+    if (const auto* reason = std::get_if<std::string>(&state))
+      throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
+    const auto& at_rest = std::get<typename Law::template State<double>>(state);
+    for (int a = 0; a < Dim; ++a) {
+      p.position(a)[i] = points[i][a];
+      p.velocity(a)[i] = velocity[a];
+    }
+    p.mass()[i] = density * volumes[i];
+    p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);
+    p.id()[i] = double(first_id + i);
+    set_state<Law>(p, i, at_rest);
+    if (p.memory().modulus)
+      p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, case_.numerics.integration);
+  }
+}
+
+/// The areas that loads act on.
+template <int Dim>
+void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& filling) {
+  for (std::size_t k = 0; k < body.loads.size(); ++k) {
+    const std::vector<double> areas = loaded_areas(case_, body.loads[k], filling);
+    if (std::ranges::none_of(areas, [](double area) { return area > 0; }))
+      throw InputError("load `" + body.loads[k].name + "` finds nothing of its side of body `" + body.name + "`");
+    std::ranges::copy(areas, body.particles.loaded_area(int(k)));
+  }
+}
+
+}  // namespace
+
+ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads) {
+  return {n_state, numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
+          numerics.order == Order::musl, n_loads};
+}
+
+template <int Dim>
+Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden, long first_id) {
+  const BodySpec& spec = case_.bodies[number];
+  const Filling filling = fill(case_, spec);
+  if (filling.points.empty())
+    throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
+  std::vector<SurfaceLoad> loads;
+  for (const SurfaceLoad& load : case_.loads)
+    if (load.body == number) loads.push_back(load);
+  // The start is made by the law that the run goes on with, so that its elastic strains fit its stress.
+  const AnyLaw scaled = with_scaled_stiffness(case_.materials[spec.material].law, case_.numerics.stiffness_factor);
+  return std::visit(
+      [&]<class Law>(const Law& law) {
+        const ParticleMemory memory = memory_of(case_.numerics, state_size<Law>, int(loads.size()));
+        Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(memory), {}, loads};
+        body.particles.resize(int(filling.points.size()));
+        set_particles(body.particles, law, case_, spec, filling, overburden, first_id);
+        set_loaded_areas(body, case_, filling);
+        return body;
+      },
+      scaled);
+}
+
+template Body<2> make_body(const Case&, int, const Overburden&, long);
+template Body<3> make_body(const Case&, int, const Overburden&, long);
+
+}  // namespace talus

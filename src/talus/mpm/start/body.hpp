@@ -1,0 +1,16 @@
+#pragma once
+/// The bodies of a case, filled with particles at rest.
+
+#include "talus/mpm/data/body.hpp"
+#include "talus/mpm/start/overburden.hpp"
+
+namespace talus {
+
+/// What particles of a body remember whose law has so many numbers of state.
+ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads);
+
+/// Body `number` of a case, its particles numbered from `first_id` on. Throws InputError if it has none or cannot rest.
+template <int Dim>
+Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden, long first_id);
+
+}  // namespace talus

@@ -1,0 +1,73 @@
+#pragma once
+/// What the tiles add up in a stage of the step.
+
+#include <algorithm>
+#include <array>
+
+#include "talus/math/vec.hpp"
+
+namespace talus {
+
+/// The one list of numbers that are added over tiles. Energies and work in J.
+enum class Sum {
+  mass,                    ///< of the particles [kg]
+  momentum,                ///< of the particles [kg m/s], three numbers
+  kinetic = momentum + 3,  ///< of the particles
+  potential,               ///< of the particles
+  elastic,                 ///< of the particles
+  averaging,               ///< elastic energy lost in this step when compression was averaged
+  internal_work,           ///< of the stress on the particles' strain in this step
+  plastic_work,            ///< the part of it turned into heat by friction
+  collisional_work,        ///< the part of it done against collisional stress
+  grid_work,               ///< of the same stress on the motion of the nodes in this step
+  gravity_work,            ///< on the motion of the nodes in this step
+  held_kinetic,            ///< of the nodes before the step
+  new_kinetic,             ///< of the nodes after the step
+  wall_impulse,            ///< what nodes gained from walls and solids [kg m/s], or of it a second [N]; three numbers
+  wall_work = wall_impulse + 3,  ///< that moving solids did in this step
+  wall_friction,                 ///< that became heat at walls and solids
+  load_power,                    ///< of loads on sides of bodies [W]
+  load_force,                    ///< of these loads [N], three numbers
+  separated = load_force + 3,    ///< number of particles whose grains have moved apart
+  unconverged,                   ///< number of particles whose stress update did not converge
+  faulty,                        ///< number of findings that a particle is not finite or has left the domain
+  count
+};
+
+/// The one list of numbers of which the largest counts.
+enum class Most {
+  wave_speed2,      ///< squared speed of compression waves at a node [m2/s2]
+  viscosity,        ///< kinematic viscosity [m2/s]
+  particle_speed2,  ///< squared speed of a particle [m2/s2]
+  node_speed2,      ///< squared speed of a node after the step [m2/s2]
+  count
+};
+
+struct TileSums {
+  std::array<double, int(Sum::count)> sums{};
+  std::array<double, int(Most::count)> most{};
+
+  TALUS_HD double& operator[](Sum s) { return sums[std::size_t(s)]; }
+  TALUS_HD double operator[](Sum s) const { return sums[std::size_t(s)]; }
+  TALUS_HD double operator[](Most m) const { return most[std::size_t(m)]; }
+
+  /// The three numbers from `first` on.
+  TALUS_HD Vec<3> vector(Sum first) const {
+    const std::size_t i = std::size_t(first);
+    return {sums[i], sums[i + 1], sums[i + 2]};
+  }
+  TALUS_HD void add(Sum first, const Vec<3>& v) {
+    for (int a = 0; a < 3; ++a) sums[std::size_t(first) + std::size_t(a)] += v[a];
+  }
+  TALUS_HD void raise(Most m, double x) {
+    double& largest = most[std::size_t(m)];
+    largest = largest < x ? x : largest;
+  }
+  /// Adds what another tile has.
+  TALUS_HD void add(const TileSums& other) {
+    for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
+    for (std::size_t i = 0; i < most.size(); ++i) raise(Most(i), other.most[i]);
+  }
+};
+
+}  // namespace talus

@@ -1,0 +1,95 @@
+#pragma once
+/// The walls of a domain on the tiles of a grid. What they do to the nodes of one tile is in kernel/wall.hpp.
+
+#include <vector>
+
+#include "talus/mpm/backend.hpp"
+#include "talus/mpm/kernel/filter.hpp"
+#include "talus/mpm/kernel/wall.hpp"
+
+namespace talus {
+
+template <int Dim>
+class Walls {
+ public:
+  Walls(const Domain<Dim>& domain, const std::vector<Tile<Dim>>& tiles) : mirrors_(domain) {
+    near_wall_.assign(tiles.size(), false);
+    for (int k = 0; k < mirrors_.n; ++k) {
+      const Mirror& m = mirrors_.mirrors[std::size_t(k)];
+      for (int t = 0; t < int(tiles.size()); ++t) {
+        const auto note = [&](int node, std::vector<int>& held) {
+          if (!holds(tiles[std::size_t(t)], m.axis, node)) return;
+          held.push_back(t);
+          near_wall_[std::size_t(t)] = true;
+        };
+        note(m.original, tiles_with_[k].originals);
+        note(m.wall, tiles_with_[k].walls);
+        note(m.image, tiles_with_[k].images);
+      }
+    }
+  }
+
+  /// Where the tiles stand from now on.
+  void rest_on(const Tile<Dim>* tiles) { tiles_ = tiles; }
+  const Mirrors<Dim>& mirrors() const { return mirrors_; }
+  /// Whether a tile has nodes on walls or behind them, or next to them.
+  bool near_wall(int t) const { return near_wall_[std::size_t(t)]; }
+
+  /// Adds the sums at images to their originals.
+  template <class Node>
+  void fold(Backend& backend, Node* nodal) const {
+    for_each_mirror([&](const Mirror& m, const Held& held) {
+      on(backend, held.originals, [&](int t) { fold_to_originals(tiles_, t, m, nodal); });
+      if (m.continues) on(backend, held.walls, [&](int t) { fold_to_wall(tiles_, t, m, nodal); });
+    });
+  }
+  /// Sets velocities or accelerations of images from those of their originals.
+  template <NodeOfFour Node>
+  void extend(Backend& backend, Node* nodal) const {
+    for_each_mirror([&](const Mirror& m, const Held& held) {
+      on(backend, held.images, [&](int t) { extend_to_images(tiles_, t, m, nodal); });
+    });
+  }
+  /// Sets numbers at images to those of their originals.
+  void extend_evenly(Backend& backend, double* nodal) const {
+    for_each_mirror([&](const Mirror& m, const Held& held) {
+      on(backend, held.images, [&](int t) { talus::extend_evenly(tiles_, t, m, nodal); });
+    });
+  }
+  /// The same for what velocities are filtered with. Walls that let material slide on with friction, or lift off, mirror
+  /// nothing.
+  void fold(Backend& backend, FilterMoments<Dim>* moments) const {
+    for_each_mirror([&](const Mirror& m, const Held& held) {
+      if (m.continues) return;
+      on(backend, held.originals, [&](int t) { fold_moments_to_originals(tiles_, t, m, moments); });
+      on(backend, held.walls, [&](int t) { fold_moments_on_wall(tiles_, t, m, moments); });
+    });
+  }
+  void extend(Backend& backend, FilterFit<Dim>* fits) const {
+    for_each_mirror([&](const Mirror& m, const Held& held) {
+      if (!m.continues) on(backend, held.images, [&](int t) { extend_fits(tiles_, t, m, fits); });
+    });
+  }
+
+ private:
+  /// The tiles that hold the nodes of a mirror.
+  struct Held {
+    std::vector<int> originals, walls, images;
+  };
+
+  template <class F>
+  void for_each_mirror(F f) const {
+    for (int k = 0; k < mirrors_.n; ++k) f(mirrors_.mirrors[std::size_t(k)], tiles_with_[k]);
+  }
+  template <class F>
+  static void on(Backend& backend, const std::vector<int>& tiles, F f) {
+    backend.for_each(int(tiles.size()), [&](int i, int) { f(tiles[std::size_t(i)]); });
+  }
+
+  Mirrors<Dim> mirrors_;
+  const Tile<Dim>* tiles_ = nullptr;
+  Held tiles_with_[2 * Dim];
+  std::vector<char> near_wall_;
+};
+
+}  // namespace talus
