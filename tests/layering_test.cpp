@@ -29,13 +29,18 @@ std::map<std::string, int> floors() {
   return floor_of;
 }
 
+bool is_source(const fs::path& file) {
+  const fs::path extension = file.extension();
+  return extension == ".hpp" || extension == ".cpp" || extension == ".cu";
+}
+
 TEST(Layering, IncludesGoDownwardsOnly) {
   const auto floor_of = floors();
   ASSERT_GE(floor_of.size(), 8u) << "docs/architecture.md has no line of floors";
   int n_includes = 0;
   const fs::path root = TALUS_SOURCE_DIR "/src/talus";
   for (const auto& entry : fs::recursive_directory_iterator(root)) {
-    if (entry.path().extension() != ".hpp" && entry.path().extension() != ".cpp") continue;
+    if (!is_source(entry.path())) continue;
     const std::string folder = *fs::relative(entry.path(), root).begin();
     ASSERT_TRUE(floor_of.contains(folder)) << folder << " stands on no floor";
     std::ifstream file(entry.path());
@@ -53,7 +58,7 @@ TEST(Layering, IncludesGoDownwardsOnly) {
 
 TEST(Layering, ConditionalCompilationStandsInOneFile) {
   for (const auto& entry : fs::recursive_directory_iterator(TALUS_SOURCE_DIR "/src/talus")) {
-    if (entry.path().extension() != ".hpp" && entry.path().extension() != ".cpp") continue;
+    if (!is_source(entry.path())) continue;
     if (entry.path().filename() == "portability.hpp") continue;
     std::ifstream file(entry.path());
     for (std::string line; std::getline(file, line);)

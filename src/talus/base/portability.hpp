@@ -14,13 +14,36 @@
 #endif
 
 // Kernels take in all they call. Not under AddressSanitizer, which makes such functions take minutes to compile.
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(__SANITIZE_ADDRESS__) || defined(__CUDACC__)
 #define TALUS_FLATTEN
 #else
 #define TALUS_FLATTEN [[gnu::flatten]]
 #endif
 
+// Functions that are not inlined; TALUS_COLD: and rarely called. On a device a call passes its arguments through memory,
+// so there nvcc decides.
+#if defined(__CUDACC__)
+#define TALUS_NOINLINE
+#define TALUS_COLD
+#else
+#define TALUS_NOINLINE [[gnu::noinline]]
+#define TALUS_COLD [[gnu::noinline, gnu::cold]]
+#endif
+
+#if defined(__CUDACC__)
+#include "talus/base/four.hpp"
+#endif
+
 namespace talus {
+
+#if defined(__CUDACC__)
+
+using FourDoubles = Four<double>;
+using FourMasks = Four<long>;
+using FourDoublesAnywhere = FourAnywhere;
+using FourBits = Four<unsigned long>;
+
+#else
 
 /// Four doubles, four truth values and the bits of four doubles, side by side: one 256-bit register.
 typedef double FourDoubles __attribute__((vector_size(32)));
@@ -28,6 +51,14 @@ typedef long FourMasks __attribute__((vector_size(32)));
 /// The same doubles in memory, at any address.
 typedef double FourDoublesAnywhere __attribute__((vector_size(32), aligned(8), may_alias));
 typedef unsigned long FourBits __attribute__((vector_size(32)));
+
+/// a where m is true, b elsewhere.
+inline FourDoubles blend(FourMasks m, FourDoubles a, FourDoubles b) { return m ? a : b; }
+/// The lanes of a (0 to 3) and b (4 to 7) with these numbers.
+template <int i, int j, int k, int l>
+inline FourDoubles shuffle(FourDoubles a, FourDoubles b) {
+  return __builtin_shufflevector(a, b, i, j, k, l);
+}
 
 #if defined(__AVX2__) && defined(__FMA__)
 // The compiler takes loops over lanes apart where they meet scalar code; these are single instructions wherever they
@@ -61,6 +92,8 @@ inline int sign_bits(FourMasks m) {
   for (int i = 0; i < 4; ++i) bits |= (m[i] < 0) << i;
   return bits;
 }
+#endif
+
 #endif
 
 /// Whether `a * b + c` is one rounding on the target. Everywhere else the compiler is told not to contract

@@ -42,7 +42,7 @@ struct Wall {
   bool operator==(const Wall&) const = default;
 
   /// Whether what it does depends on how material meets it, and not on where the wall is alone.
-  bool is_contact() const { return kind == WallKind::friction || separates; }
+  TALUS_HD bool is_contact() const { return kind == WallKind::friction || separates; }
 };
 
 /// All points behind a plane.

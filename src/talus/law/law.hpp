@@ -175,7 +175,7 @@ TALUS_HD Response<double> lane_by_lane(State<double>& state, const Motion<double
   return update_one(state, motion);
 }
 template <template <class> class State, class F>
-Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& motion, F update_one) {
+TALUS_HD Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& motion, F update_one) {
   Response<Pack> response;
   for (int lane = 0; lane < pack_width; ++lane) {
     State<double> one = lane_of<State<double>>(state, lane);

@@ -169,8 +169,7 @@ TALUS_HD ReturnPoint<R> extrapolate(const ReturnPoint<R>& at, const ReturnPoint<
 }
 
 template <Number R>
-TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
-  using talus::select;
+TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
   return {select(m, a.x, b.x),
           select(m, a.ln_x, b.ln_x),
           select(m, a.p, b.p),
@@ -188,10 +187,9 @@ TALUS_HD ReturnPoint<R> select(mask_t<R> m, const ReturnPoint<R>& a, const Retur
 /// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
 /// their pressure.
 template <Number R>
-TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
-                                                                    const Motion<R>& motion) {
+TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
+                                                                 const Motion<R>& motion) {
   using M = mask_t<R>;
-  using talus::select;
   const R zero = R(0.0), floor = R(least_x), unbounded = R(1e300);
   const R D_v = volumetric_compression(motion.strain);
   const Trial<R> trial = try_elastic(law, state, D_v);
@@ -227,7 +225,7 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
 
     const R dx = next.x - r.x, dresidual = next.residual - r.residual;
     const ReturnPoint<R> before = r;
-    r = select<R>(open, next, r);
+    r = select_point<R>(open, next, r);
     low = select(open & negative, r.x, low);
     high = select(open & !negative, r.x, high);
     low_known = low_known | (open & negative);
@@ -239,7 +237,7 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
     const R turn = max(abs(step) * r.x * r.x, abs(dx * dx * dx));
     const M sure = open & (abs(step) * turn <= R(1e-8) * r.x * r.x * r.x * abs(dx));
     if (any(sure)) {
-      r = select<R>(sure, extrapolate(r, before, step, dx, equation.m), r);
+      r = select_point<R>(sure, extrapolate(r, before, step, dx, equation.m), r);
       open = open & !sure;
     }
   }
@@ -254,7 +252,7 @@ TALUS_FLATTEN [[gnu::noinline]] TALUS_HD Response<R> return_mapping(const Simsan
     state = {equation.stress(r), x, kappa, trial.e};
   } else {
     const Simsand::State<R> loose = let_go(law, state, D_v, trial, kappa);
-    state = {talus::select<R>(carries, equation.stress(r), loose.stress), select(carries, x, loose.x), kappa,
+    state = {select<R>(carries, equation.stress(r), loose.stress), select(carries, x, loose.x), kappa,
              select(carries, trial.e, loose.skeleton_void_ratio)};
   }
 

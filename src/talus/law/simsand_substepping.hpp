@@ -188,8 +188,8 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
 /// Modified Euler with adaptive substeps, yield crossing and drift correction (Sloan, Abbo and Sheng 2001, Eng. Comput.
 /// 18:121). `tolerance` bounds the relative error of each substep. Where contacts are about to lose their pressure the
 /// implicit return takes over.
-[[gnu::noinline]] TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state,
-                                                                  const Motion<double>& motion, double tolerance) {
+TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state,
+                                                               const Motion<double>& motion, double tolerance) {
   const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
   const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
   Response<double> response{double(Outcome::elastic), 0, 0, 0, 0, 0};
@@ -252,8 +252,8 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
 
 /// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls
 /// to zero leaves the point without stress.
-[[gnu::noinline]] TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
-                                                                 const Motion<double>& motion) {
+TALUS_NOINLINE TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
+                                                              const Motion<double>& motion) {
   const SplitStrain strain{deviator(motion.strain), volumetric_compression(motion.strain)};
   const Trial<double> trial = try_elastic(law, state, strain.D_v);
   const double p = pressure(state.stress);

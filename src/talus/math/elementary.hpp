@@ -21,15 +21,19 @@ TALUS_HD inline double number(std::uint64_t b) { return std::bit_cast<double>(b)
 struct PackBits {
   FourBits low, high;
 
-  friend PackBits operator+(PackBits a, PackBits b) { return {a.low + b.low, a.high + b.high}; }
-  friend PackBits operator-(PackBits a, PackBits b) { return {a.low - b.low, a.high - b.high}; }
-  friend PackBits operator+(PackBits a, std::uint64_t b) { return {a.low + b, a.high + b}; }
-  friend PackBits operator-(PackBits a, std::uint64_t b) { return {a.low - b, a.high - b}; }
-  friend PackBits operator<<(PackBits a, int places) { return {a.low << places, a.high << places}; }
-  friend PackBits operator>>(PackBits a, int places) { return {a.low >> places, a.high >> places}; }
+  TALUS_HD friend PackBits operator+(PackBits a, PackBits b) { return {a.low + b.low, a.high + b.high}; }
+  TALUS_HD friend PackBits operator-(PackBits a, PackBits b) { return {a.low - b.low, a.high - b.high}; }
+  TALUS_HD friend PackBits operator+(PackBits a, std::uint64_t b) { return {a.low + b, a.high + b}; }
+  TALUS_HD friend PackBits operator-(PackBits a, std::uint64_t b) { return {a.low - b, a.high - b}; }
+  TALUS_HD friend PackBits operator<<(PackBits a, int places) { return {a.low << places, a.high << places}; }
+  TALUS_HD friend PackBits operator>>(PackBits a, int places) { return {a.low >> places, a.high >> places}; }
 };
-inline PackBits bits(Pack x) { return {(FourBits)x.low.lanes, (FourBits)x.high.lanes}; }
-inline Pack number(PackBits b) { return {Quad((FourDoubles)b.low), Quad((FourDoubles)b.high)}; }
+TALUS_HD inline PackBits bits(Pack x) {
+  return {std::bit_cast<FourBits>(x.low.lanes), std::bit_cast<FourBits>(x.high.lanes)};
+}
+TALUS_HD inline Pack number(PackBits b) {
+  return {Quad(std::bit_cast<FourDoubles>(b.low)), Quad(std::bit_cast<FourDoubles>(b.high))};
+}
 
 /// 1.5 2^52: adding it rounds to the nearest integer and leaves that integer in the low bits.
 inline constexpr double rounding = 6755399441055744.0;
