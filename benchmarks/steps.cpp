@@ -42,7 +42,7 @@ struct Phase {
   std::string_view column, function;
 };
 constexpr Phase phases[] = {
-    {"stress", "update_stresses"}, {"move", "move_particles"}, {"order", "put_in_cell_order"}, {"nodes", ""}};
+    {"stress", "update_stresses"}, {"move", "move_particles"}, {"order", "sort_by_cell"}, {"nodes", ""}};
 constexpr int n_phases = std::size(phases);
 
 /// A loop that runs on as many threads as one asks for at the moment, and notes the processor time of each phase.

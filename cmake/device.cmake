@@ -24,7 +24,7 @@ file(MAKE_DIRECTORY ${folder})
 # compared.
 add_custom_command(OUTPUT ${folder}/kernels.o
   COMMAND ${report} ${folder}/kernels.log ${TALUS_NVCC} -ccbin ${CMAKE_CXX_COMPILER} -std=c++20 -arch=sm_90
-    --expt-relaxed-constexpr -fmad=false -Werror all-warnings -Xptxas -v -I${CMAKE_CURRENT_SOURCE_DIR}/src
+    --expt-relaxed-constexpr -fmad=false -Werror all-warnings -Xptxas -v --split-compile=0 -I${CMAKE_CURRENT_SOURCE_DIR}/src
     -MD -MT ${folder}/kernels.o -MF ${folder}/kernels.d -c ${kernels} -o ${folder}/kernels.o
   DEPENDS ${kernels} ${report}
   DEPFILE ${folder}/kernels.d

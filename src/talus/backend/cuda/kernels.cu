@@ -6,6 +6,7 @@
 
 #include <vector>
 
+#include "talus/backend/cuda/mpm_kernels.hpp"
 #include "talus/law/registry.hpp"
 
 namespace talus::cuda {
@@ -63,7 +64,40 @@ __global__ void __launch_bounds__(block_size) update_law(const Law law, const do
   columns.elastic_energy[i] = volume * law.elastic_energy(state);
 }
 
+/// A kernel of mpm/kernel/, a tile a thread.
+template <class Kernel>
+__global__ void __launch_bounds__(block_size) over_tiles(const int n_tiles, const Kernel kernel) {
+  if (const int t = thread_index(); t < n_tiles) kernel(t);
+}
+
 using Kernels = std::vector<const void*>;
+
+template <class... Kernel>
+void add(Kernels& kernels) {
+  (kernels.push_back(reinterpret_cast<const void*>(&over_tiles<Kernel>)), ...);
+}
+
+/// The kernels of a step with one shape function.
+template <int Dim, class Shape>
+void add_step_kernels(Kernels& kernels) {
+  using M = TilesOnDevice<Dim, Shape>;
+  add<MassAndMomentum<M>, AffineMomentum<M, true>, AffineMomentum<M, false>, SumsOverWindows<M>, Gradients<M>,
+      Forces<M, false>, Loads<M>, PowerOfLoads<M>, Motions<M, Advance::both>, Motions<M, Advance::velocities>,
+      Motions<M, Advance::places>, AffineMotion<M, true>, AffineMotion<M, false>, SumsOverParticles<M>,
+      FilteredVelocities<M>, Volumes<M>, Shifts<M>>(kernels);
+  if constexpr (Dim == 2) add<Forces<M, true>>(kernels);
+  [&]<int... quads>(std::integer_sequence<int, quads...>) { add<FilterMomentsQuad<M, quads>...>(kernels); }
+  (std::make_integer_sequence<int, FilterMoments<Dim>::n_quads>());
+}
+
+/// The kernels that do not depend on the shape function: at nodes, and of the stress.
+template <int Dim, class... Law>
+void add_node_and_stress_kernels(Kernels& kernels, LawList<Law...>) {
+  using M = TilesOnDevice<Dim, Quadratic>;
+  add<NodeVelocities<M>, WallsFold<M>, WallsExtend<M>, GainFromWalls<M>, Accelerations<M>, FilterFits<M>>(kernels);
+  add<Stresses<M, Law, false>...>(kernels);
+  if constexpr (Dim == 2) add<Stresses<M, Law, true>...>(kernels);
+}
 
 template <class... Law>
 void add_law_kernels(Kernels& kernels, LawList<Law...>) {
@@ -77,6 +111,16 @@ void add_law_kernels(Kernels& kernels, LawList<Law...>) {
 Kernels all_kernels() {
   Kernels kernels;
   add_law_kernels(kernels, Laws{});
+  add_step_kernels<2, Linear>(kernels);
+  add_step_kernels<2, Quadratic>(kernels);
+  add_step_kernels<2, Cubic>(kernels);
+  add_step_kernels<2, Ugimp>(kernels);
+  add_step_kernels<3, Linear>(kernels);
+  add_step_kernels<3, Quadratic>(kernels);
+  add_step_kernels<3, Cubic>(kernels);
+  add_step_kernels<3, Ugimp>(kernels);
+  add_node_and_stress_kernels<2>(kernels, Laws{});
+  add_node_and_stress_kernels<3>(kernels, Laws{});
   return kernels;
 }
 

@@ -51,6 +51,16 @@ TALUS_HD Node node_of(Quad value) {
   return node;
 }
 
+/// Copies four numbers as one.
+template <NodeOfFour Node>
+TALUS_HD void copy_node(const Node& from, Node& to) {
+  store_node(to, load_node(from));
+}
+template <class Node>
+TALUS_HD void copy_node(const Node& from, Node& to) {
+  to = from;
+}
+
 /// Nodes that hold one number are loaded as it.
 TALUS_HD inline double load_node(double node) { return node; }
 TALUS_HD inline void store_node(double& node, double value) { node = value; }

@@ -146,8 +146,12 @@ TALUS_HD void fill_window(const Tile<Dim>& tile, const Node* nodal, Node* window
     const int other = tile.neighbours[n];
     Index<Dim> mine = offset_of<Dim>(n);  // this tile, seen from the other
     for (int a = 0; a < Dim; ++a) mine[a] = -mine[a];
-    const Node* theirs = other < 0 ? nullptr : nodal + std::size_t(other) * TileLayout<Dim, Shape>::n_nodes;
-    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { window[w] = theirs ? theirs[own] : Node{}; });
+    if (other < 0) {
+      detail::for_each_shared<Dim, Shape>(mine, [&](int, int w) { window[w] = Node{}; });
+      continue;
+    }
+    const Node* theirs = nodal + std::size_t(other) * TileLayout<Dim, Shape>::n_nodes;
+    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { copy_node(theirs[own], window[w]); });
   }
 }
 
