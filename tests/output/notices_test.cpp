@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "talus/output/report.hpp"
+#include "talus/output/notices.hpp"
 
 namespace talus {
 namespace {
