@@ -1,60 +1,13 @@
 #include "talus/figure/evaluation.hpp"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 
+#include "figure/oedometer_figure.hpp"
 #include "talus/base/error.hpp"
 #include "talus/element/driver.hpp"
 
 namespace talus {
 namespace {
-
-namespace fs = std::filesystem;
-
-/// An oedometer test of a linear-elastic material: stress_yy = 12 MPa strain (E = 10 MPa, nu = 0.25).
-constexpr const char* test_file = R"(
-title = "oedometer"
-material = { law = "linear_elastic", E = "10 MPa", nu = 0.25 }
-initial = { pressure = "0 Pa" }
-segment = [ { test = "oedometer", axial_strain = 0.01, rows = 10 } ]
-)";
-
-constexpr const char* figure_file = R"(
-title = "an oedometer"
-source = "a test"
-abscissa = "strain_yy"
-[[reading]]
-name = "soft"
-[[reading]]
-name = "hard"
-set = { material.E = "20 MPa" }
-[[curve]]
-name = "a"
-test = "test.toml"
-measured = { file = "measured.csv", where = "test", is = "T1" }
-[[curve]]
-name = "b"
-test = "test.toml"
-set = { material.nu = 0 }
-reading = "soft"
-[[panel]]
-name = "stress"
-x = { value = "100*strain_yy", measured = "percent" }
-y = { value = "stress_yy/1000", measured = "kPa" }
-)";
-
-FigureSpec read(const std::string& more = "", const std::string& figure = figure_file) {
-  const fs::path folder = fs::path(testing::TempDir()) /
-                          (std::string("figure_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-  fs::create_directories(folder);
-  std::ofstream(folder / "test.toml") << test_file;
-  std::ofstream(folder / "measured.csv") << "test,percent,kPa\nT0,0,0\nT1,0,0\nT1,0.5,50\nT1,1,100\nT1,2,100\n";
-  std::ofstream(folder / "figure.toml") << figure << more;
-  return read_figure(folder.string());
-}
 
 FigureResult evaluated(const FigureSpec& figure) {
   FigureRuns runs(figure.readings.size(), std::vector<std::optional<ResultTable>>(figure.curves.size()));
@@ -69,18 +22,6 @@ std::string statement(const std::string& number, const std::string& range = "at_
 }
 
 double number(const std::string& formula) { return evaluated(read(statement(formula))).verdicts[0].numbers[0]; }
-
-TEST(Figure, ReadingsAndCurvesReplaceWhatTheyNameAndNothingElse) {
-  const FigureSpec f = read();
-  const auto stiffness = [&](int curve, int reading) {
-    return std::get<LinearElastic>(f.curves[curve].tests[reading]->test.law);
-  };
-  EXPECT_EQ(stiffness(0, 0).E, 10e6);
-  EXPECT_EQ(stiffness(0, 1).E, 20e6);
-  EXPECT_EQ(stiffness(0, 1).nu, 0.25);
-  EXPECT_EQ(stiffness(1, 0).nu, 0);
-  EXPECT_FALSE(f.curves[1].tests[1]);  // only in the first reading
-}
 
 TEST(Figure, NumbersOfACurve) {
   EXPECT_NEAR(number(R"(last("a: stress_yy"))"), 12e6 * 0.01, 1e-3);
@@ -127,40 +68,6 @@ TEST(Figure, WrongFormulasAreRefused) {
   EXPECT_THROW(number(R"(last("c: stress_yy"))"), InputError);
   EXPECT_THROW(number(R"(final("a: stress_yy"))"), InputError);
   EXPECT_THROW(number("1 +"), InputError);
-}
-
-TEST(Figure, MistakesAreReportedTogether) {
-  const std::string figure =
-      "title = \"t\"\nsource = \"s\"\n[[curve]]\nname = \"a\"\ntest = \"test.toml\"\nset = { material.Young = 3 }\n"
-      "lable = \"x\"\n[[panel]]\nname = \"p\"\nx = { value = \"time\" }\ny = { value = \"p\" }\ncurves = [\"z\"]\n"
-      "[[statement]]\ntext = \"t\"\nnumber = '1'\nmeaning = \"m\"\n";
-  try {
-    read("", figure);
-    FAIL();
-  } catch (const InputError& e) {
-    const std::string what = e.what();
-    for (const char* part : {"did you mean `label`", "z", "at_least"})
-      EXPECT_NE(what.find(part), std::string::npos) << part << "\n" << what;
-  }
-  try {
-    read("",
-         "title = \"t\"\nsource = \"s\"\n[[curve]]\nname = \"a\"\ntest = \"test.toml\"\nset = { material.Young = 3 }\n"
-         "[[panel]]\nname = \"p\"\nx = { value = \"time\" }\ny = { value = \"p\" }\n");
-    FAIL();
-  } catch (const InputError& e) {
-    EXPECT_NE(std::string(e.what()).find("material.Young"), std::string::npos) << e.what();
-    EXPECT_NE(std::string(e.what()).find("curve `a`"), std::string::npos) << e.what();
-  }
-}
-
-TEST(Figure, EveryFigureUnderValidationCanBeRead) {
-  int n = 0;
-  for (const auto& entry : fs::directory_iterator(TALUS_SOURCE_DIR "/validation"))
-    if (fs::exists(entry.path() / "figure.toml")) {
-      EXPECT_NO_THROW(read_figure(entry.path().string())) << entry.path();
-      ++n;
-    }
-  EXPECT_GT(n, 0);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 
 #include "folder_of_its_own.hpp"
 #include "talus/backend/backend.hpp"
-#include "talus/figure/specification.hpp"
+#include "talus/figure/read_figure.hpp"
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 

@@ -14,8 +14,9 @@ namespace {
 
 constexpr long steps_before = 10;  ///< enough to see it come, few enough for a snapshot of each
 
-/// Steps up to the last whole one. Tells the particle's state there, or that the run does not break again.
-std::string seen_again(Simulation& simulation, const Failure& failure) {
+/// Steps up to the last completed one and over the break. Returns the particle's state before it, if the message of the
+/// failure does not have it, or a sentence that the run does not break again.
+std::string repeat_break(Simulation& simulation, const Failure& failure) {
   std::string before;
   try {
     while (simulation.ledger().step <= failure.step) {
@@ -30,51 +31,61 @@ std::string seen_again(Simulation& simulation, const Failure& failure) {
          "machine (memory, overclocking).\n";
 }
 
-}  // namespace
-
-std::string leave_a_reproducer(const Task& task, const Case& what, Backend& loop, int threads, const Failure& failure) {
-  const fs::path folder = task.folder / "failure";
-  std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
-  if (!saved) return "";
-  const auto simulation = make_simulation(what, loop);
-  saved->restore(*simulation);
-  saved->state.clear();  // as large as the particles
-  const bool near = failure.step - saved->so_far.step <= steps_before;
-  if (near)
-    return fmt::format("{}To see it break again\n  {}", seen_again(*simulation, failure),
-                       command_to_resume(task, task.folder, threads));
-
+/// Steps until a few steps before the break, or until a signal. Returns whether it came that far.
+bool approach_break(Simulation& simulation, const Failure& failure) {
   fmt::print(stderr, "broke at t = {:.6g} s; goes over the last {} steps again, to leave a checkpoint just before\n",
-             failure.time, failure.step - saved->so_far.step);
-  Progress progress(failure.time, simulation->ledger());
+             failure.time, failure.step - simulation.ledger().step);
+  Progress progress(failure.time, simulation.ledger());
   const Interrupt interrupt;
-  while (simulation->ledger().step < failure.step - steps_before && !interrupt.signal()) {
-    simulation->step();
-    progress.show(simulation->ledger(), simulation->n_particles());
+  while (simulation.ledger().step < failure.step - steps_before && !interrupt.signal()) {
+    simulation.step();
+    progress.show(simulation.ledger(), simulation.n_particles());
   }
-  progress.finish(simulation->ledger(), simulation->n_particles());
-  const Ledger& at = simulation->ledger();
-  const bool all_the_way = at.step >= failure.step - steps_before;
+  progress.finish(simulation.ledger(), simulation.n_particles());
+  return simulation.ledger().step >= failure.step - steps_before;
+}
 
-  // Another run, which begins here; it shows every step.
+/// Writes the case and a checkpoint of a run of its own, which begins here; every step becomes a snapshot and a row if
+/// asked for.
+void write_run(const fs::path& folder, const Task& task, const Case& case_, const Simulation& simulation,
+               bool every_step) {
+  const Ledger& at = simulation.ledger();
   RunSoFar so_far;
   so_far.case_file = task.case_file;
   so_far.case_text = task.case_text;
-  so_far.end = what.end;
+  so_far.end = case_.end;
   so_far.time = at.time;
   so_far.step = at.step;
-  so_far.next_snapshot.interval = all_the_way ? 1e-3 * at.dt : what.output.snapshots;
-  so_far.next_row.interval = all_the_way ? 1e-3 * at.dt : what.output.history;
+  so_far.next_snapshot.interval = every_step ? 1e-3 * at.dt : case_.output.snapshots;
+  so_far.next_row.interval = every_step ? 1e-3 * at.dt : case_.output.history;
   fs::remove_all(folder);
   fs::create_directories(folder);
   write_whole(folder / "case.toml", task.case_text);
-  Checkpoints(folder, nullptr).write(so_far, *simulation);
-  if (!all_the_way)
+  Checkpoints(folder, nullptr).write(so_far, simulation);
+}
+
+}  // namespace
+
+std::string write_reproducer(const Task& task, const Case& case_, Backend& loop, int threads, const Failure& failure) {
+  std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
+  if (!saved) return "";
+  const auto simulation = make_simulation(case_, loop);
+  saved->restore(*simulation);
+  saved->state.clear();  // as large as the particles
+  if (failure.step - saved->so_far.step <= steps_before)
+    return fmt::format("{}To see it break again\n  {}", repeat_break(*simulation, failure),
+                       command_to_resume(task, task.folder, threads));
+
+  const fs::path folder = task.folder / "failure";
+  const bool is_near = approach_break(*simulation, failure);
+  write_run(folder, task, case_, *simulation, is_near);
+  const Ledger& at = simulation->ledger();
+  if (!is_near)
     return fmt::format("To see it break again, from t = {:.6g} s on\n  {}", at.time,
                        command_to_resume(task, folder, threads));
   const long steps = failure.step - at.step + 1;
   return fmt::format("{}To see it break again, with a snapshot of each of its last {} steps\n  {}",
-                     seen_again(*simulation, failure), steps, command_to_resume(task, folder, threads));
+                     repeat_break(*simulation, failure), steps, command_to_resume(task, folder, threads));
 }
 
 }  // namespace talus

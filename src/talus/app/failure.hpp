@@ -1,5 +1,5 @@
 #pragma once
-/// What a run that broke leaves behind, so that anyone can see it break again.
+/// What a run that failed leaves behind, so that anyone can see it fail again.
 
 #include <optional>
 #include <string>
@@ -9,17 +9,17 @@
 
 namespace talus {
 
-/// Where a run broke.
+/// Where a run failed.
 struct Failure {
-  std::string text;  ///< what was said of it
-  long step = 0;     ///< how many steps were whole
+  std::string text;  ///< the message
+  long step = 0;     ///< steps that were completed
   double time = 0;
-  std::optional<long> particle;  ///< where it showed
+  std::optional<long> particle;  ///< at which it showed
 };
 
 /// Goes over the last stretch of a broken run again, from its last checkpoint, and leaves in FOLDER/failure the case and
-/// a checkpoint a few steps before the break. Returns what to tell the user: what the particle was before it broke, and
-/// the command that shows the break again. Ctrl-C ends the way there and leaves a checkpoint of the place reached.
-std::string leave_a_reproducer(const Task& task, const Case& what, Backend& loop, int threads, const Failure& failure);
+/// a checkpoint a few steps before the break. Returns a message for the user: the particle's state before the break, and
+/// the command that shows the break again. Ctrl-C ends the way there; the checkpoint is then that of the instant reached.
+std::string write_reproducer(const Task& task, const Case& case_, Backend& loop, int threads, const Failure& failure);
 
 }  // namespace talus

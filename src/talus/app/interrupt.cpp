@@ -6,10 +6,10 @@ namespace talus {
 
 namespace {
 
-constexpr int noted_signals[] = {SIGINT, SIGTERM};
-volatile std::sig_atomic_t came = 0;
+constexpr int signals[] = {SIGINT, SIGTERM};
+volatile std::sig_atomic_t received = 0;
 
-void set(int number, void (*handler)(int)) {
+void set_handler(int number, void (*handler)(int)) {
   struct sigaction action {
   }, before{};
   sigaction(number, nullptr, &before);
@@ -19,22 +19,22 @@ void set(int number, void (*handler)(int)) {
   sigaction(number, &action, nullptr);
 }
 
-void note(int number) {
-  came = number;
-  for (int each : noted_signals) set(each, SIG_DFL);
+void receive(int number) {
+  received = number;
+  for (int each : signals) set_handler(each, SIG_DFL);
 }
 
 }  // namespace
 
 Interrupt::Interrupt() {
-  came = 0;
-  for (int each : noted_signals) set(each, note);
+  received = 0;
+  for (int each : signals) set_handler(each, receive);
 }
 
 Interrupt::~Interrupt() {
-  for (int each : noted_signals) set(each, SIG_DFL);
+  for (int each : signals) set_handler(each, SIG_DFL);
 }
 
-int Interrupt::signal() const { return came; }
+int Interrupt::signal() const { return received; }
 
 }  // namespace talus

@@ -15,30 +15,34 @@ void print_choices(const char* title, std::span<const Choice> choices) {
     fmt::print("  {:<16} {}{}\n", c.word, c.meaning, &c == choices.data() ? " [default]" : "");
 }
 
+template <class Law>
+void print_law() {
+  fmt::print("\n  {}: {}\n", Law::name, Law::meaning);
+  for (const auto& p : Law::parameters())
+    fmt::print("    {:<18} {:<7} {:<42} {}\n", p.key,
+               p.unit == "1"     ? "-"
+               : p.unit == "rad" ? "deg"
+                                 : p.unit,
+               in_words(p.range, p.unit), p.meaning);
+  for (const auto& o : Law::options()) {
+    std::string words;
+    for (const Choice& c : o.choices) words += fmt::format("{}{}", words.empty() ? "" : " | ", c.word);
+    fmt::print("    {:<18} {:<50} {}\n", o.key, words, o.meaning);
+  }
+  fmt::print("    tells: ");
+  std::string quantities;
+  for (const auto& q : Law::quantities())
+    quantities += fmt::format("{}{}{}", quantities.empty() ? "" : ", ", q.name,
+                              q.unit == "1" ? "" : fmt::format(" [{}]", q.unit));
+  fmt::print("{}\n", quantities);
+}
+
 }  // namespace
 
 int list_everything() {
   fmt::print("Laws (material.NAME.law)\n");
   Laws::for_each([]<class Law>() {
-    if (!is_named<Law>) return;
-    fmt::print("\n  {}: {}\n", Law::name, Law::meaning);
-    for (const auto& p : Law::parameters())
-      fmt::print("    {:<18} {:<7} {:<42} {}\n", p.key,
-                 p.unit == "1"     ? "-"
-                 : p.unit == "rad" ? "deg"
-                                   : p.unit,
-                 in_words(p.range, p.unit), p.meaning);
-    for (const auto& o : Law::options()) {
-      std::string words;
-      for (const Choice& c : o.choices) words += fmt::format("{}{}", words.empty() ? "" : " | ", c.word);
-      fmt::print("    {:<18} {:<50} {}\n", o.key, words, o.meaning);
-    }
-    fmt::print("    tells: ");
-    std::string told;
-    for (const auto& q : Law::quantities())
-      told +=
-          fmt::format("{}{}{}", told.empty() ? "" : ", ", q.name, q.unit == "1" ? "" : fmt::format(" [{}]", q.unit));
-    fmt::print("{}\n", told);
+    if (is_named<Law>) print_law<Law>();
   });
   print_choices("Presets (numerics.preset)", preset_choices);
   print_choices("Shape functions (numerics.shape)", shape_function_choices);

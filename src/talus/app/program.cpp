@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <cstdio>
+#include <functional>
 
 #include "talus/app/commands.hpp"
 #include "talus/base/error.hpp"
@@ -24,66 +25,134 @@ int unknown_command(const CLI::App& app, const std::string& word) {
   return talus::exit_input;
 }
 
+void add_threads(CLI::App* command, int& threads) {
+  command->add_option("--threads", threads, "threads [all processors]")->check(CLI::Range(1, 4096));
+}
+
+/// The subcommands with the options that the user gives them.
+class Commands {
+ public:
+  explicit Commands(CLI::App& app) {
+    add_run(app);
+    add_check(app);
+    add_view(app);
+    add_element(app);
+    add_reproduce(app);
+    add(app, "list", "list laws, shapes, transfers and walls with units, ranges and meaning", talus::list_everything);
+    add_new(app);
+    add(app, "schema", "print a JSON Schema of input files, with which editors complete and check them", [] {
+      std::fputs(talus::schema_of_inputs().c_str(), stdout);
+      return 0;
+    });
+  }
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  /// Runs the subcommand that was parsed. Returns the exit code.
+  int run() const {
+    for (const auto& [command, function] : all_)
+      if (*command) return function();
+    return 0;
+  }
+
+ private:
+  CLI::App* add(CLI::App& app, const char* name, const char* meaning, std::function<int()> run) {
+    CLI::App* command = app.add_subcommand(name, meaning);
+    all_.push_back({command, std::move(run)});
+    return command;
+  }
+
+  void add_run(CLI::App& app) {
+    CLI::App* command =
+        add(app, "run", "run a case and write its results", [this] { return talus::run_case(run_options_); });
+    command
+        ->add_option("CASE", run_options_.case_file,
+                     "case file (TOML); with --resume the folder of its results will do")
+        ->required();
+    command->add_option("--out", run_options_.out, "folder for the results [out/CASE]");
+    add_threads(command, run_options_.threads);
+    command->add_option("--until", run_options_.until, "stop at this simulated time, such as \"0.1 s\"");
+    CLI::Option* overwrite =
+        command->add_flag("--overwrite", run_options_.overwrite, "write into a folder that holds results already");
+    command
+        ->add_flag(
+            "--resume", run_options_.resume,
+            "go on from the last checkpoint, by the same bits as if the run had not stopped; from the beginning if "
+            "there are no results yet; with --until beyond the end")
+        ->excludes(overwrite);
+    command->footer(
+        "A run writes a checkpoint every 10 minutes ([output] checkpoint_wall, checkpoints), at its end, and when "
+        "Ctrl-C "
+        "or SIGTERM stops it (exit code 130 or 143; a second one stops it at once).");
+  }
+
+  void add_check(CLI::App& app) {
+    CLI::App* command =
+        add(app, "check", "say what a case was understood to be and how long it would take; write nothing",
+            [this] { return talus::check_case(case_to_check_, threads_of_check_); });
+    command->add_option("CASE", case_to_check_, "case file (TOML)")->required();
+    add_threads(command, threads_of_check_);
+  }
+
+  void add_view(CLI::App& app) {
+    add(app, "view", "open the report of a run, or say where it is",
+        [this] { return talus::view_report(folder_to_view_); })
+        ->add_option("DIR", folder_to_view_, "folder of the results")
+        ->required();
+  }
+
+  void add_element(CLI::App& app) {
+    CLI::App* command =
+        add(app, "element", "run an element test", [this] { return talus::run_element(element_options_); });
+    command->add_option("TEST", element_options_.test_file, "test file (TOML)")->required();
+    command->add_option("--out", element_options_.out, "CSV file for the result [standard output]");
+  }
+
+  void add_reproduce(CLI::App& app) {
+    CLI::App* command = add(app, "reproduce", "remake published figures and say which of their claims hold",
+                            [this] { return talus::reproduce(figure_options_); });
+    command->add_option("FIGURE", figure_options_.figure, "a figure's number or folder, or `all`")->required();
+    command->add_option("--from", figure_options_.from, "folder that holds the figures [validation]");
+    command->add_option("--out", figure_options_.out, "folder for the pages [out/reproduce]");
+    add_threads(command, figure_options_.threads);
+  }
+
+  void add_new(CLI::App& app) {
+    add(app, "new", "print a case to start from, with comments; or which there are", [this] {
+      return talus::print_template(template_name_);
+    })->add_option("NAME", template_name_, "name of the case or element test [lists them]");
+  }
+
+  talus::RunOptions run_options_;
+  talus::ElementOptions element_options_;
+  talus::ReproduceOptions figure_options_;
+  std::string case_to_check_, folder_to_view_, template_name_;
+  int threads_of_check_ = 0;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> all_;
+};
+
+/// Runs the subcommand; errors become messages and exit codes.
+int run_command(const Commands& commands) {
+  try {
+    return commands.run();
+  } catch (const talus::InputError& e) {
+    const std::size_t n = e.complaints().size();
+    std::fprintf(stderr, "%s\n", e.what());
+    if (n > 1) std::fprintf(stderr, "talus: %zu mistakes in the input; nothing was run\n", n);
+    return talus::exit_input;
+  } catch (const std::exception& e) {
+    std::fprintf(stderr, "talus: %s\n", e.what());
+    return talus::exit_failed;
+  }
+}
+
 }  // namespace
 
 int talus_program(int argc, char** argv) {
   CLI::App app{"talus " + talus::version() + ": granular ground that fails, flows and comes to rest"};
   app.set_version_flag("--version", talus::version());
   app.require_subcommand(1);
-
-  talus::RunOptions run;
-  CLI::App* run_command = app.add_subcommand("run", "run a case and write its results");
-  run_command->add_option("CASE", run.case_file, "case file (TOML); with --resume the folder of its results will do")
-      ->required();
-  run_command->add_option("--out", run.out, "folder for the results [out/CASE]");
-  run_command->add_option("--threads", run.threads, "threads [all processors]")->check(CLI::Range(1, 4096));
-  run_command->add_option("--until", run.until, "stop at this simulated time, such as \"0.1 s\"");
-  CLI::Option* overwrite =
-      run_command->add_flag("--overwrite", run.overwrite, "write into a folder that holds results already");
-  run_command
-      ->add_flag(
-          "--resume", run.resume,
-          "go on from the last checkpoint, by the same bits as if the run had not stopped; from the beginning if "
-          "there are no results yet; with --until beyond the end")
-      ->excludes(overwrite);
-  run_command->footer(
-      "A run writes a checkpoint every 10 minutes ([output] checkpoint_wall, checkpoints), at its end, and when Ctrl-C "
-      "or SIGTERM stops it (exit code 130 or 143; a second one stops it at once).");
-
-  std::string check_file;
-  int check_threads = 0;
-  CLI::App* check_command =
-      app.add_subcommand("check", "say what a case was understood to be and how long it would take; write nothing");
-  check_command->add_option("CASE", check_file, "case file (TOML)")->required();
-  check_command->add_option("--threads", check_threads, "threads [all processors]")->check(CLI::Range(1, 4096));
-
-  std::string view_folder;
-  CLI::App* view_command = app.add_subcommand("view", "open the report of a run, or say where it is");
-  view_command->add_option("DIR", view_folder, "folder of the results")->required();
-
-  talus::ElementOptions element;
-  CLI::App* element_command = app.add_subcommand("element", "run an element test");
-  element_command->add_option("TEST", element.test_file, "test file (TOML)")->required();
-  element_command->add_option("--out", element.out, "CSV file for the result [standard output]");
-
-  talus::ReproduceOptions figures;
-  CLI::App* reproduce_command =
-      app.add_subcommand("reproduce", "remake published figures and say which of their claims hold");
-  reproduce_command->add_option("FIGURE", figures.figure, "a figure's number or folder, or `all`")->required();
-  reproduce_command->add_option("--from", figures.from, "folder that holds the figures [validation]");
-  reproduce_command->add_option("--out", figures.out, "folder for the pages [out/reproduce]");
-  reproduce_command->add_option("--threads", figures.threads, "threads [all processors]")->check(CLI::Range(1, 4096));
-
-  CLI::App* list_command =
-      app.add_subcommand("list", "list laws, shapes, transfers and walls with units, ranges and meaning");
-
-  std::string template_name;
-  CLI::App* new_command = app.add_subcommand("new", "print a case to start from, with comments; or which there are");
-  new_command->add_option("NAME", template_name, "name of the case or element test [lists them]");
-
-  CLI::App* schema_command =
-      app.add_subcommand("schema", "print a JSON Schema of input files, with which editors complete and check them");
-
+  const Commands commands(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -92,27 +161,5 @@ int talus_program(int argc, char** argv) {
     app.exit(e);
     return talus::exit_input;
   }
-
-  try {
-    if (*run_command) return talus::run_case(run);
-    if (*check_command) return talus::check_case(check_file, check_threads);
-    if (*view_command) return talus::view_report(view_folder);
-    if (*element_command) return talus::run_element(element);
-    if (*reproduce_command) return talus::reproduce(figures);
-    if (*list_command) return talus::list_everything();
-    if (*new_command) return talus::print_template(template_name);
-    if (*schema_command) std::fputs(talus::schema_of_inputs().c_str(), stdout);
-  } catch (const talus::InputError& e) {
-    const std::size_t n = e.complaints().size();
-    std::fprintf(stderr, "%s\n", e.what());
-    if (n > 1) std::fprintf(stderr, "talus: %zu mistakes in the input; nothing was run\n", n);
-    return talus::exit_input;
-  } catch (const talus::RunError& e) {
-    std::fprintf(stderr, "talus: %s\n", e.what());
-    return talus::exit_failed;
-  } catch (const std::exception& e) {
-    std::fprintf(stderr, "talus: %s\n", e.what());
-    return talus::exit_failed;
-  }
-  return 0;
+  return run_command(commands);
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// How many steps a run will take, found out by doing it on coarser cells.
+/// An estimate of the number of steps of a run, by a run on coarser cells.
 
 #include "talus/case/case.hpp"
 #include "talus/mpm/backend.hpp"
@@ -7,16 +7,16 @@
 namespace talus {
 
 struct Rehearsal {
-  double steps = 0;  ///< that the case is expected to take
+  double steps = 0;  ///< expected of the case
   int coarser = 1;   ///< how many times coarser the cells were
-  double until = 0;  ///< simulated time that was reached [s]; the rest is taken to go on at the last pace
+  double until = 0;  ///< simulated time that was reached [s]; the rest is assumed to go on at the last pace
 };
 
-/// Runs a case with cells so many times coarser, and at most two particles along their edges, that it takes about
-/// `seconds`, if the case itself would take `whole_run` [s] (a guess). A body keeps four cells across at least; if that
-/// takes longer, the run is ended and the rest taken to go on at the last pace. Steps get shorter as material presses and
-/// speeds up, and only a run knows when. Bounds scale with the size h of cells: what waves, particles and contact bound
+/// Runs a case with cells so many times coarser, and at most two particles along their edges, that it needs about
+/// `seconds`, if the case itself would need `whole_run` [s] (a guess). A body keeps four cells across at least; if that
+/// takes longer, the run is ended and the rest assumed to go on at the last pace. Steps get shorter as pressure and speed
+/// grow, and only a run shows when. Bounds scale with the size h of cells: what waves, particles and contact bound
 /// goes with h, viscosity with h^2, gravity with its root.
-Rehearsal rehearse(const Case& what, Backend& loop, double whole_run, double seconds);
+Rehearsal rehearse(const Case& case_, Backend& loop, double whole_run, double seconds);
 
 }  // namespace talus

@@ -3,191 +3,228 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <memory>
+#include <optional>
 
 #include "talus/app/commands.hpp"
 #include "talus/app/failure.hpp"
 #include "talus/app/interrupt.hpp"
 #include "talus/app/progress.hpp"
+#include "talus/app/recorder.hpp"
 #include "talus/app/task.hpp"
 #include "talus/backend/backend.hpp"
-#include "talus/base/file.hpp"
-#include "talus/base/machine.hpp"
-#include "talus/output/history.hpp"
+#include "talus/output/notices.hpp"
 #include "talus/output/plot.hpp"
+#include "talus/output/record.hpp"
 #include "talus/output/report.hpp"
-#include "talus/output/snapshot.hpp"
 
 namespace talus {
 
+namespace {
+
 namespace fs = std::filesystem;
 
-int run_case(const RunOptions& options) {
-  Task task = understand(options);
-  Case& what = task.input.what;
-  what.end = end_of(task, options);
-  std::erase_if(what.output.pictures, [&](double t) { return t > what.end; });
+/// A run from its beginning, or its last checkpoint, to its results.
+class Run {
+ public:
+  explicit Run(const RunOptions& options);
 
-  expect_memory_for(what);
-  const auto loop = make_openmp(options.threads);
-  auto simulation = make_simulation(what, *loop);
-  RunSummary run;
-  run.case_file = task.case_file;
-  run.case_text = task.case_text;
-  run.understood = task.input.understood;
-  run.n_particles = simulation->n_particles();
-  run.n_threads = loop->n_workers();
-  const OutlineFinder outlines(what, simulation->places());
-  run.start = outlines.find(simulation->places());
+  /// Steps to the end of the case, or until a signal or a failure, and writes the results. Returns the exit code; throws
+  /// RunError if the run failed.
+  int run();
 
+ private:
+  static Task read_task_to_end(const RunOptions& options);
+  RunSummary summary_at_start() const;
+  RunSoFar restore_or_claim_folder();
+
+  /// Returns the number of the signal that stopped the run; 0 if none did.
+  int step_until_end_or_signal();
+  void step_while_not(const Interrupt& interrupt);
+  void record_failure(const RunError& e);
+
+  void complete_summary();
+  void add_reproducer();
+  int stopped_by(int signal) const;
+  void write_results();
+  void print_results(const std::vector<Picture>& drawn) const;
+
+  bool is_at_end() const { return simulation_->ledger().time >= case_.end; }
+  std::string how_to_resume() const { return command_to_resume(task_, task_.folder, options_.threads); }
+
+  const RunOptions& options_;
+  Task task_;
+  const Case& case_;
+  std::unique_ptr<Backend> loop_;
+  std::unique_ptr<Simulation> simulation_;
+  OutlineFinder outlines_;
+  RunSummary summary_;
+  Recorder recorder_;
+  Progress progress_;
+  std::optional<Failure> failure_;
+};
+
+Run::Run(const RunOptions& options)
+    : options_(options),
+      task_(read_task_to_end(options)),
+      case_(task_.input.what),
+      loop_(make_openmp(options.threads)),
+      simulation_(make_simulation(case_, *loop_)),
+      outlines_(case_, simulation_->places()),
+      summary_(summary_at_start()),
+      recorder_(task_, restore_or_claim_folder(), outlines_, *simulation_),
+      progress_(case_.end, simulation_->ledger()) {}
+
+int Run::run() {
+  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", case_.title, summary_.n_particles,
+             summary_.n_threads, summary_.n_threads == 1 ? "" : "s", task_.folder.string());
+  if (task_.saved) fmt::print(stderr, "goes on from {}\n", recorder_.last_checkpoint());
+  const int signal = step_until_end_or_signal();
+  progress_.finish(simulation_->ledger(), summary_.n_particles);
+  complete_summary();
+  write_record(task_.folder / "record.json", summary_);
+  if (failure_) add_reproducer();
+  if (summary_.stopped) return stopped_by(signal);
+  write_results();
+  if (failure_) throw RunError(summary_.failure);
+  return 0;
+}
+
+Task Run::read_task_to_end(const RunOptions& options) {
+  Task task = read_task(options);
+  Case& case_ = task.input.what;
+  case_.end = end_of(task, options);
+  std::erase_if(case_.output.pictures, [&](double t) { return t > case_.end; });
+  expect_memory_for(case_);
+  return task;
+}
+
+RunSummary Run::summary_at_start() const {
+  RunSummary summary;
+  summary.case_file = task_.case_file;
+  summary.case_text = task_.case_text;
+  summary.understood = task_.input.understood;
+  summary.n_particles = simulation_->n_particles();
+  summary.n_threads = loop_->n_workers();
+  summary.start = outlines_.find(simulation_->places());
+  return summary;
+}
+
+/// Where the run stands: at its checkpoint, or at the beginning of a new run, whose folder is claimed.
+RunSoFar Run::restore_or_claim_folder() {
   RunSoFar so_far;
-  if (task.saved) {
-    so_far = task.saved->so_far;
-    task.saved->restore(*simulation);
-    task.saved->state.clear();                // as large as the particles
-    fs::remove(task.folder / "failure.hdf");  // is written again if the run breaks again
-    fs::remove_all(task.folder / "failure");
-    if (so_far.time < what.end) so_far.resumed_at.push_back(so_far.time);
+  if (task_.saved) {
+    so_far = task_.saved->so_far;
+    task_.saved->restore(*simulation_);
+    task_.saved->state.clear();                // as large as the particles
+    fs::remove(task_.folder / "failure.hdf");  // is written again if the run fails again
+    fs::remove_all(task_.folder / "failure");
+    if (so_far.time < case_.end) so_far.resumed_at.push_back(so_far.time);
   } else {
-    take_over(task, options);
-    so_far.case_file = task.case_file;
-    so_far.case_text = task.case_text;
-    so_far.next_snapshot.interval = what.output.snapshots;
-    so_far.next_row.interval = what.output.history;
+    claim_folder(task_, options_);
+    so_far.case_file = task_.case_file;
+    so_far.case_text = task_.case_text;
+    so_far.next_snapshot.interval = case_.output.snapshots;
+    so_far.next_row.interval = case_.output.history;
   }
-  so_far.end = what.end;
-  const fs::path& folder = task.folder;
-  const auto how_to_go_on = [&] { return command_to_resume(task, folder, options.threads); };
-  Checkpoints checkpoints(folder, task.saved ? &*task.saved : nullptr);
-  if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
-  History history(folder / "history.csv", what, so_far.history_bytes);
-  SurfaceTable surfaces(folder / "surface.csv", what.dim, what.axisymmetric, so_far.surface_bytes);
-  SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
-  PictureBook pictures(folder / "pictures", what, so_far.instants);
-  std::vector<double> picture_times = what.output.pictures;
-  std::sort(picture_times.begin(), picture_times.end());
-  std::erase_if(picture_times, [&](double t) { return !so_far.instants.empty() && t <= so_far.instants.back(); });
+  so_far.end = case_.end;
+  return so_far;
+}
 
-  const double cpu_before = cpu_seconds(), wall_earlier = so_far.wall_seconds, cpu_earlier = so_far.cpu_seconds;
-  Progress progress(what.end, simulation->ledger());
-  const auto is_at_end = [&] { return simulation->ledger().time >= what.end; };
-
-  /// Writes what is due now, once; `last` takes the last row and snapshot whether they are due or not.
-  const auto record_instant = [&](bool last) {
-    const double t = simulation->ledger().time;
-    bool picture = false;
-    while (!picture_times.empty() && t >= picture_times.front()) {
-      picture = true;
-      picture_times.erase(picture_times.begin());
-    }
-    const bool snapshot = so_far.next_snapshot.due(t) || (last && so_far.next_snapshot.last != t);
-    const bool row = so_far.next_row.due(t) || (last && so_far.next_row.last != t);
-    if (row || snapshot) {
-      const Outline outline = outlines.find(simulation->places());
-      if (row) history.add(simulation->ledger(), outline);
-      if (snapshot) surfaces.add(t, outline.surface);
-    }
-    if (!snapshot && !picture) return;
-    Observation seen = simulation->observe();
-    if (picture) pictures.add(seen);
-    if (snapshot) snapshots.add(std::move(seen));
-  };
-
-  Schedule checkpoint_times{what.output.checkpoints.value_or(std::numeric_limits<double>::infinity())};
-  checkpoint_times.due(simulation->ledger().time);
-  double last_checkpoint = 0;  // on the clock of `progress`
-  /// A checkpoint, after what it counts on: all that was written before it.
-  const auto save = [&] {
-    snapshots.finish();
-    so_far.time = simulation->ledger().time;
-    so_far.step = simulation->ledger().step;
-    so_far.wall_seconds = wall_earlier + progress.seconds();
-    so_far.cpu_seconds = cpu_earlier + cpu_seconds() - cpu_before;
-    so_far.history_bytes = history.bytes();
-    so_far.surface_bytes = surfaces.bytes();
-    put_on_disk(history.file());
-    put_on_disk(surfaces.file());
-    for (int i = int(so_far.snapshots.size()); i < snapshots.size(); ++i) put_on_disk(snapshots.file(i));
-    for (int i = int(so_far.instants.size()); i < int(pictures.times().size()); ++i) put_on_disk(pictures.instant(i));
-    so_far.snapshots = snapshots.times();
-    so_far.instants = pictures.times();
-    checkpoints.write(so_far, *simulation);
-    last_checkpoint = progress.seconds();
-  };
-
-  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", what.title, run.n_particles, run.n_threads,
-             run.n_threads == 1 ? "" : "s", folder.string());
-  if (task.saved) fmt::print(stderr, "goes on from {}\n", checkpoints.last());
-  std::optional<Interrupt> interrupt(std::in_place);
-  std::optional<Failure> failure;
+int Run::step_until_end_or_signal() {
+  const Interrupt interrupt;
   try {
-    for (;;) {
-      record_instant(false);
-      if (is_at_end() || interrupt->signal()) break;
-      const bool due = checkpoint_times.due(simulation->ledger().time);
-      if (due || progress.seconds() - last_checkpoint >= what.output.checkpoint_wall) save();
-      simulation->step();
-      progress.show(simulation->ledger(), run.n_particles);
-    }
-    save();
-    // Rows and snapshots that are due only because the run ends come after the checkpoint: a run that goes on beyond
-    // its end does not have them.
-    if (is_at_end()) record_instant(true);
-    snapshots.finish();
+    step_while_not(interrupt);
   } catch (const RunError& e) {
-    failure = Failure{e.what(), simulation->ledger().step, simulation->ledger().time, e.particle()};
-    snapshots.finish();
-    write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
-    run.failure =
-        fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
-                    e.what(), snapshots.last().string(), (folder / "failure.hdf").string(), checkpoints.last());
+    record_failure(e);
   } catch (const std::exception& e) {
     throw std::runtime_error(
         fmt::format("{}\nThe run has stopped at t = {:.6g} s. Its last checkpoint is {}. Once this "
                     "is mended, go on with\n  {}",
-                    e.what(), simulation->ledger().time, checkpoints.last(), how_to_go_on()));
+                    e.what(), simulation_->ledger().time, recorder_.last_checkpoint(), how_to_resume()));
   }
-  const int signal = interrupt->signal();
-  interrupt.reset();
-  progress.finish(simulation->ledger(), run.n_particles);
-  run.stopped = run.failure.empty() && !is_at_end();
-  run.wall_seconds = wall_earlier + progress.seconds();
-  run.cpu_seconds = cpu_earlier + cpu_seconds() - cpu_before;
-  run.resumed_at = so_far.resumed_at;
-  run.ledger = simulation->ledger();
-  run.tally = simulation->tally();
-  run.end = outlines.find(simulation->places());
-  run.bytes = simulation->bytes();
-  run.n_snapshots = snapshots.size();
-  run.warnings = warnings_of(what, run);
+  return interrupt.signal();
+}
 
-  write_record(folder / "record.json", run);
-  if (failure) {
-    simulation.reset();  // as large as the one to come
-    try {
-      run.failure += "\n" + leave_a_reproducer(task, what, *loop, options.threads, *failure);
-    } catch (const std::exception& e) {  // the break is what matters
-      run.failure += fmt::format("\nNothing could be left that shows it again: {}", e.what());
-    }
-    write_record(folder / "record.json", run);
+void Run::step_while_not(const Interrupt& interrupt) {
+  for (;;) {
+    recorder_.record(*simulation_, false);
+    if (is_at_end() || interrupt.signal()) break;
+    if (recorder_.checkpoint_is_due(*simulation_)) recorder_.write_checkpoint(*simulation_);
+    simulation_->step();
+    progress_.show(simulation_->ledger(), summary_.n_particles);
   }
-  if (run.stopped) {
-    fmt::print(stderr, "stopped by {}; the checkpoint is {}. Go on with\n  {}\n",
-               signal == SIGINT ? "Ctrl-C" : "SIGTERM", checkpoints.last(), how_to_go_on());
-    return exit_signal + signal;
+  recorder_.write_checkpoint(*simulation_);
+  // Rows and snapshots that are due only because the run ends come after the checkpoint: a run that is resumed beyond its
+  // end does not have them.
+  if (is_at_end()) recorder_.record(*simulation_, true);
+  recorder_.snapshots().finish();
+}
+
+void Run::record_failure(const RunError& e) {
+  failure_ = Failure{e.what(), simulation_->ledger().step, simulation_->ledger().time, e.particle()};
+  recorder_.snapshots().finish();
+  const fs::path snapshot = task_.folder / "failure.hdf";
+  write_snapshot(snapshot, simulation_->observe(), case_.output.fields);
+  summary_.failure =
+      fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
+                  e.what(), recorder_.snapshots().last().string(), snapshot.string(), recorder_.last_checkpoint());
+}
+
+void Run::complete_summary() {
+  summary_.stopped = summary_.failure.empty() && !is_at_end();
+  summary_.wall_seconds = recorder_.clock().wall_seconds();
+  summary_.cpu_seconds = recorder_.clock().cpu_seconds();
+  summary_.resumed_at = recorder_.so_far().resumed_at;
+  summary_.ledger = simulation_->ledger();
+  summary_.tally = simulation_->tally();
+  summary_.end = outlines_.find(simulation_->places());
+  summary_.bytes = simulation_->bytes();
+  summary_.n_snapshots = recorder_.snapshots().size();
+  summary_.warnings = warnings_of(case_, summary_);
+}
+
+/// Leaves files that show the failure again, and says so in the summary and the record.
+void Run::add_reproducer() {
+  simulation_.reset();  // as large as the one to come
+  try {
+    summary_.failure += "\n" + write_reproducer(task_, case_, *loop_, options_.threads, *failure_);
+  } catch (const std::exception& e) {  // the failure is what matters
+    summary_.failure += fmt::format("\nNothing could be left that shows it again: {}", e.what());
   }
-  const std::vector<Picture> drawn = pictures.draw();
-  const std::vector<Chart> charts = charts_of(history, length_unit_for(extent(what)));
+  write_record(task_.folder / "record.json", summary_);
+}
+
+/// Prints how to resume a run that a signal has stopped. Returns the exit code.
+int Run::stopped_by(int signal) const {
+  fmt::print(stderr, "stopped by {}; the checkpoint is {}. Go on with\n  {}\n", signal == SIGINT ? "Ctrl-C" : "SIGTERM",
+             recorder_.last_checkpoint(), how_to_resume());
+  return exit_signal + signal;
+}
+
+void Run::write_results() {
+  const fs::path& folder = task_.folder;
+  const std::vector<Picture> drawn = recorder_.pictures().draw();
+  const std::vector<Chart> charts = charts_of(recorder_.history(), length_unit_for(extent(case_)));
   if (!drawn.empty())
     for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
-  write_report(folder, what, run, drawn, charts);
-  fmt::print(stderr, "{}\n", in_words(run.tally));
-  if (const std::string notice = notice_of_outflow(run.ledger); !notice.empty()) fmt::print(stderr, "{}\n", notice);
-  for (const std::string& w : run.warnings) fmt::print(stderr, "warning: {}\n", w);
-  if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
-  if (!run.failure.empty()) throw RunError(run.failure);
-  if (!drawn.empty()) fmt::print("picture: {}\n", fs::absolute(drawn.front().file).string());
-  fmt::print("report:  {}\n", fs::absolute(folder / "report.html").string());
-  return 0;
+  write_report(folder, case_, summary_, drawn, charts);
+  print_results(drawn);
 }
+
+void Run::print_results(const std::vector<Picture>& drawn) const {
+  fmt::print(stderr, "{}\n", in_words(summary_.tally));
+  if (const std::string notice = notice_of_outflow(summary_.ledger); !notice.empty())
+    fmt::print(stderr, "{}\n", notice);
+  for (const std::string& w : summary_.warnings) fmt::print(stderr, "warning: {}\n", w);
+  if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
+  if (!summary_.failure.empty()) return;
+  if (!drawn.empty()) fmt::print("picture: {}\n", fs::absolute(drawn.front().file).string());
+  fmt::print("report:  {}\n", fs::absolute(task_.folder / "report.html").string());
+}
+
+}  // namespace
+
+int run_case(const RunOptions& options) { return Run(options).run(); }
 
 }  // namespace talus

@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A word as a shell takes it.
+/// A word as a shell reads it.
 std::string quoted(const std::string& word) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
   if (word.find_first_not_of(plain) == word.npos) return word;
@@ -21,8 +21,8 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
-std::string command(const std::string& what_to_run, int threads) {
-  return fmt::format("{} run {}{}", quoted(program_invocation_name), what_to_run,
+std::string command(const std::string& run, int threads) {
+  return fmt::format("{} run {}{}", quoted(program_invocation_name), run,
                      threads > 0 ? fmt::format(" --threads {}", threads) : "");
 }
 
@@ -56,8 +56,8 @@ bool holds_results(const fs::path& folder) {
   return fs::exists(folder / "history.csv") || fs::exists(folder / "particles_0000.hdf") || Checkpoints::any_in(folder);
 }
 
-/// Why a new run must not write into a folder; empty if it may.
-std::string results_at_stake(const fs::path& folder, const Task& task, const RunOptions& options) {
+/// Reason a new run must not write into a folder; empty if it may.
+std::string reason_not_to_write(const fs::path& folder, const Task& task, const RunOptions& options) {
   constexpr const char* choice = "give another folder with --out, or --overwrite";
   if (Checkpoints::any_in(folder))
     return fmt::format("{} holds results already; {}. To go on with the run there: {}", folder.string(), choice,
@@ -70,7 +70,7 @@ std::string results_at_stake(const fs::path& folder, const Task& task, const Run
 
 }  // namespace
 
-Task understand(const RunOptions& options) {
+Task read_task(const RunOptions& options) {
   const bool by_folder = fs::is_directory(options.case_file);
   Task task;
   task.case_file = options.case_file;
@@ -100,7 +100,7 @@ Task understand(const RunOptions& options) {
                       task.folder.string()));
     return task;
   }
-  // From here on the case is that of the run, to the letter; only when checkpoints are made may have changed.
+  // From here on the case is that of the run, to the letter; only the instants of checkpoints may have changed.
   const OutputSpec output = task.input.what.output;
   task.case_file = task.saved->so_far.case_file;
   task.case_text = task.saved->so_far.case_text;
@@ -110,13 +110,13 @@ Task understand(const RunOptions& options) {
   return task;
 }
 
-void expect_memory_for(const Case& what) {
-  const double needed = estimated_bytes(what), free = free_memory();
+void expect_memory_for(const Case& case_) {
+  const double needed = estimated_bytes(case_), free = free_memory();
   if (free > 0 && needed > free)
     throw InputError(
         fmt::format("about {:.2g} particles need some {:.2g} GB of memory, and {:.2g} GB are free here; a "
                     "larger `spacing` makes fewer",
-                    estimated_particles(what), 1e-9 * needed, 1e-9 * free));
+                    estimated_particles(case_), 1e-9 * needed, 1e-9 * free));
 }
 
 double end_of(const Task& task, const RunOptions& options) {
@@ -128,16 +128,16 @@ double end_of(const Task& task, const RunOptions& options) {
   return asked.value_or(so_far.end);
 }
 
-void take_over(Task& task, const RunOptions& options) {
+void claim_folder(Task& task, const RunOptions& options) {
   std::error_code failure;
   fs::create_directories(task.folder, failure);
   if (failure || !fs::is_directory(task.folder))
     throw InputError(fmt::format("the folder {} cannot be made: {}", task.folder.string(),
                                  failure ? failure.message() : "something else has this name"));
   if (!task.lock) task.lock = std::make_unique<FolderLock>(task.folder);
-  if (const std::string why = results_at_stake(task.folder, task, options); !why.empty() && !options.overwrite)
+  if (const std::string why = reason_not_to_write(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
-  // What an earlier run left must not be taken for this one's.
+  // Results of an earlier run must not be mistaken for those of this one.
   for (const char* name : {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "failure.hdf",
                            "record.json", "report.html"})
     fs::remove(task.folder / name);

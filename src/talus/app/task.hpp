@@ -1,5 +1,5 @@
 #pragma once
-/// What `talus run` is asked to do: which case, in which folder, from its beginning or from a checkpoint.
+/// The task of `talus run`: a case, the folder of its results, and the checkpoint to resume from.
 
 #include <filesystem>
 #include <memory>
@@ -17,23 +17,24 @@ struct Task {
   std::filesystem::path folder;  ///< of the results
   CaseFile input;
   std::string case_file, case_text;
-  std::optional<SavedRun> saved;  ///< from where to go on
+  std::optional<SavedRun> saved;  ///< checkpoint to resume from; none for a new run
   std::unique_ptr<FolderLock> lock;
 };
 
-/// Reads the case and finds out from where to go on; changes nothing. Throws InputError.
-Task understand(const RunOptions& options);
+/// Reads the case and, to resume, the newest checkpoint; changes nothing. Throws InputError.
+Task read_task(const RunOptions& options);
 
 /// Throws InputError if a case needs more memory than is free here.
-void expect_memory_for(const Case& what);
+void expect_memory_for(const Case& case_);
 
 /// The simulated time at which to end [s].
 double end_of(const Task& task, const RunOptions& options);
 
-/// Makes the folder a new run's own. Throws InputError if it holds what must not be overwritten.
-void take_over(Task& task, const RunOptions& options);
+/// Makes and locks the folder of a new run, and removes the results of an earlier one. Throws InputError if they must not
+/// be overwritten.
+void claim_folder(Task& task, const RunOptions& options);
 
-/// The command that goes on with a run, as it can be pasted into a shell.
+/// The command that resumes a run, as it can be pasted into a shell.
 std::string command_to_resume(const std::filesystem::path& folder, int threads);
 /// The same for a task's case. One that names other files is read beside them, not in the folder of its results.
 std::string command_to_resume(const Task& task, const std::filesystem::path& folder, int threads);

@@ -1,24 +1,21 @@
 #include "talus/element/driver.hpp"
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <optional>
 
 #include "talus/base/error.hpp"
+#include "talus/element/segment.hpp"
 #include "talus/mechanics/invariants.hpp"
 
 namespace talus {
 
 namespace {
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
-
-/// A tension-positive tensor as the compression-positive vector that element tests speak in, and back.
+/// A tension-positive tensor as a compression-positive vector, and back.
 Vector6 in_soil_sign(const SymTensor<double>& a) {
   const SymTensor<double> b = opposite_sign(a);
   Vector6 v;
@@ -27,60 +24,6 @@ Vector6 in_soil_sign(const SymTensor<double>& a) {
 }
 SymTensor<double> from_soil_sign(const Vector6& v) {
   return opposite_sign(SymTensor<double>{v[0], v[1], v[2], v[3], v[4], v[5]});
-}
-
-/// Strain rate and strain since the start of the segment, of a table of rates.
-struct TableMotion {
-  Vector6 rate, strain;
-};
-TableMotion follow(const std::vector<RateInstant>& table, double t) {
-  const auto rate_at = [&](std::size_t i) { return Vector6(table[i].rate.data()); };
-  TableMotion m{rate_at(0), Vector6::Zero()};
-  for (std::size_t i = 1; i < table.size(); ++i) {
-    const double t0 = table[i - 1].time, t1 = std::min(t, table[i].time);
-    if (t1 <= t0) break;
-    const double share = (t1 - t0) / (table[i].time - t0);
-    m.rate = rate_at(i - 1) + share * (rate_at(i) - rate_at(i - 1));
-    m.strain += 0.5 * (t1 - t0) * (rate_at(i - 1) + m.rate);
-  }
-  return m;
-}
-
-bool strain_only(const Segment& segment) {
-  return std::all_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
-    return std::all_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s == 0; });
-  });
-}
-
-/// Whether the strain goes along a straight line, so that the law's own error control is all that is needed.
-bool straight(const Segment& segment) {
-  if (!segment.history.empty() || !strain_only(segment)) return false;
-  // rate and acceleration of all controls are parallel
-  for (const Control& a : segment.controls)
-    for (const Control& b : segment.controls)
-      if (std::abs(a.rate * b.acceleration - b.rate * a.acceleration) > 1e-14 * std::abs(a.rate * b.acceleration))
-        return false;
-  return true;
-}
-
-/// Instants inside a segment at which a strain rate changes its sign or its slope: no step may pass over one.
-std::vector<double> corners(const Segment& segment) {
-  std::vector<double> times;
-  for (std::size_t r = 0; r < segment.history.size(); ++r) {
-    const RateInstant& b = segment.history[r];
-    times.push_back(b.time);
-    if (r == 0) continue;
-    const RateInstant& a = segment.history[r - 1];
-    for (int i = 0; i < 6; ++i)
-      if (a.rate[i] * b.rate[i] < 0) times.push_back(a.time + (b.time - a.time) * a.rate[i] / (a.rate[i] - b.rate[i]));
-  }
-  if (segment.history.empty())
-    for (const Control& c : segment.controls)
-      if (!c.to_target && c.acceleration != 0) times.push_back(-c.rate / c.acceleration);
-  std::erase_if(times, [&](double t) { return !(t > 0 && t < segment.duration); });
-  std::sort(times.begin(), times.end());
-  times.erase(std::unique(times.begin(), times.end()), times.end());
-  return times;
 }
 
 template <class Law>
@@ -152,33 +95,6 @@ class Driver {
         if (is_strain(c, i)) return at_start + c.of_strain[i] * follow(segment.history, t).strain[i];
     if (c.to_target) return at_start + (c.target - at_start) * (t / duration);
     return at_start + c.rate * t + 0.5 * c.acceleration * t * t;
-  }
-  static Vector6 rate_at(const Segment& segment, double t, const Vector6& otherwise) {
-    const Vector6 given = segment.history.empty() ? Vector6::Zero() : follow(segment.history, t).rate;
-    Vector6 rate = otherwise;
-    // A control on a single strain component gives its rate outright.
-    for (const Control& c : segment.controls)
-      for (int i = 0; i < 6; ++i)
-        if (is_strain(c, i))
-          rate[i] = segment.history.empty() ? (c.rate + c.acceleration * t) / c.of_strain[i] : given[i];
-    return rate;
-  }
-  static bool is_strain(const Control& c, int component) {
-    for (int i = 0; i < 6; ++i)
-      if (c.of_stress[i] != 0 || (i != component && c.of_strain[i] != 0)) return false;
-    return c.of_strain[component] != 0;
-  }
-
-  /// A control that names neither strain nor stress is one of the strain of its own number.
-  static Segment completed(Segment segment) {
-    for (int i = 0; i < 6; ++i) {
-      Control& c = segment.controls[i];
-      const auto zero = [](double x) { return x == 0; };
-      if (std::all_of(c.of_strain.begin(), c.of_strain.end(), zero) &&
-          std::all_of(c.of_stress.begin(), c.of_stress.end(), zero))
-        c.of_strain[i] = 1;
-    }
-    return segment;
   }
 
   // ---- stepping --------------------------------------------------------------------------------------------------
@@ -262,97 +178,132 @@ class Driver {
     return advance_mixed(now, segment, t, end);
   }
 
-  /// Newton's method on the six controls, with a Jacobian from differences that Broyden's update keeps alive.
-  bool advance_mixed(Now& now, const Segment& segment, double t, double end) {
-    const double dt = end - t;
-    Vector6 demand;
-    for (int r = 0; r < 6; ++r) demand[r] = value_at(segment, r, end);
-    const auto moved = [&](const Vector6& increment) {
-      Now next = now;
-      update(next, increment, rate_at(segment, end, increment / dt), dt);
-      return next;
-    };
-    const double stress_scale = std::max(norm(stress(now)), 1e-6 * largest_stress_);
-    const double tight = 1e-9 * std::max(stress_scale, 1e-12);
-    const auto residual = [&](const Now& next) {
-      Vector6 r;
-      const Vector6 s = stress(next);
-      for (int k = 0; k < 6; ++k) {
-        r[k] = -demand[k];
-        for (int i = 0; i < 6; ++i)
-          r[k] += segment.controls[k].of_strain[i] * next.strain[i] + segment.controls[k].of_stress[i] * s[i];
-      }
-      return r;
-    };
-    const auto is_stress = [&](int k) {
-      return std::any_of(segment.controls[k].of_stress.begin(), segment.controls[k].of_stress.end(),
-                         [](double c) { return c != 0; });
-    };
-    const auto small = [&](const Vector6& r) {
-      for (int k = 0; k < 6; ++k)
-        if (!(std::abs(r[k]) <= (is_stress(k) ? tight : 1e-14))) return false;
-      return true;
-    };
+  /// One step under controls of stress, from a state to the end of the step.
+  struct MixedStep {
+    const Now& from;
+    const Segment& segment;
+    double end, dt;
+    Vector6 demand;  ///< of the controls at the end
+    double tight;    ///< error up to which a controlled stress is met [Pa]
+  };
 
-    Vector6 increment = dt * now.rate;
+  MixedStep mixed_step(const Now& now, const Segment& segment, double t, double end) const {
+    MixedStep step{now, segment, end, end - t, {}, 0};
+    for (int r = 0; r < 6; ++r) step.demand[r] = value_at(segment, r, end);
+    const double stress_scale = std::max(norm(stress(now)), 1e-6 * largest_stress_);
+    step.tight = 1e-9 * std::max(stress_scale, 1e-12);
+    return step;
+  }
+
+  Now moved(const MixedStep& step, const Vector6& increment) {
+    Now next = step.from;
+    update(next, increment, rate_at(step.segment, step.end, increment / step.dt), step.dt);
+    return next;
+  }
+
+  /// What the controls miss of their demand.
+  Vector6 residual(const MixedStep& step, const Now& next) const {
+    Vector6 r;
+    const Vector6 s = stress(next);
+    for (int k = 0; k < 6; ++k) {
+      r[k] = -step.demand[k];
+      for (int i = 0; i < 6; ++i)
+        r[k] += step.segment.controls[k].of_strain[i] * next.strain[i] + step.segment.controls[k].of_stress[i] * s[i];
+    }
+    return r;
+  }
+
+  static bool is_stress(const Control& c) {
+    return std::any_of(c.of_stress.begin(), c.of_stress.end(), [](double x) { return x != 0; });
+  }
+
+  static bool is_met(const MixedStep& step, const Vector6& r) {
+    for (int k = 0; k < 6; ++k)
+      if (!(std::abs(r[k]) <= (is_stress(step.segment.controls[k]) ? step.tight : 1e-14))) return false;
+    return true;
+  }
+
+  /// That of the last rate, but for the strains that are controlled.
+  Vector6 first_increment(const MixedStep& step) const {
+    Vector6 increment = step.dt * step.from.rate;
     for (int k = 0; k < 6; ++k)
       for (int i = 0; i < 6; ++i)
-        if (is_strain(segment.controls[k], i))
-          increment[i] = demand[k] / segment.controls[k].of_strain[i] - now.strain[i];
-    Now next = moved(increment);
-    Vector6 r = residual(next);
-    bool fresh = false;
-    for (int iteration = 0; iteration < 60 && !small(r); ++iteration) {
-      if (!jacobian_known_ || (iteration > 0 && iteration % 12 == 0)) {
-        const double size = std::max(1e-4 * increment.norm(), 1e-9);
-        for (int i = 0; i < 6; ++i) {
-          Vector6 shifted = increment;
-          shifted[i] += size;
-          jacobian_.col(i) = (residual(moved(shifted)) - r) / size;
-        }
-        jacobian_known_ = fresh = true;
-      }
-      // Strain rows are of another size than stress rows.
-      Vector6 row_scale = jacobian_.cwiseAbs().rowwise().maxCoeff();
-      for (int k = 0; k < 6; ++k)
-        if (!(row_scale[k] > 0)) row_scale[k] = 1;
-      const Matrix6 scaled = row_scale.cwiseInverse().asDiagonal() * jacobian_;
-      const Eigen::FullPivLU<Matrix6> lu(scaled);
-      Vector6 change = -lu.solve(row_scale.cwiseInverse().cwiseProduct(r));
-      if (!change.allFinite()) break;
-      // More strain than this in one step means that the material gives way; a shorter step will tell.
-      const double longest = 0.02, length = (increment + change).norm();
-      if (length > longest) {
-        if (increment.norm() >= 0.999 * longest) break;
-        change = (longest / length) * (increment + change) - increment;
-      }
+        if (is_strain(step.segment.controls[k], i))
+          increment[i] = step.demand[k] / step.segment.controls[k].of_strain[i] - step.from.strain[i];
+    return increment;
+  }
+
+  void find_jacobian(const MixedStep& step, const Vector6& increment, const Vector6& r) {
+    const double size = std::max(1e-4 * increment.norm(), 1e-9);
+    for (int i = 0; i < 6; ++i) {
+      Vector6 shifted = increment;
+      shifted[i] += size;
+      jacobian_.col(i) = (residual(step, moved(step, shifted)) - r) / size;
+    }
+    jacobian_known_ = true;
+  }
+
+  /// Newton's change of the strain increment; none if there is no solution, or only far away.
+  std::optional<Vector6> newton_change(const Vector6& increment, const Vector6& r) const {
+    // Strain rows are of another size than stress rows.
+    Vector6 row_scale = jacobian_.cwiseAbs().rowwise().maxCoeff();
+    for (int k = 0; k < 6; ++k)
+      if (!(row_scale[k] > 0)) row_scale[k] = 1;
+    const Matrix6 scaled = row_scale.cwiseInverse().asDiagonal() * jacobian_;
+    const Eigen::FullPivLU<Matrix6> lu(scaled);
+    Vector6 change = -lu.solve(row_scale.cwiseInverse().cwiseProduct(r));
+    if (!change.allFinite()) return std::nullopt;
+    // More strain than this in one step means that the material gives way; a shorter step will show.
+    const double longest = 0.02, length = (increment + change).norm();
+    if (length > longest) {
+      if (increment.norm() >= 0.999 * longest) return std::nullopt;
+      change = (longest / length) * (increment + change) - increment;
+    }
+    return change;
+  }
+
+  /// Newton's method on the six controls, with a Jacobian from differences that Broyden's update keeps alive.
+  bool advance_mixed(Now& now, const Segment& segment, double t, double end) {
+    const MixedStep step = mixed_step(now, segment, t, end);
+    Vector6 increment = first_increment(step);
+    Now next = moved(step, increment);
+    Vector6 r = residual(step, next);
+    for (int iteration = 0; iteration < 60 && !is_met(step, r); ++iteration) {
+      const bool fresh = !jacobian_known_ || (iteration > 0 && iteration % 12 == 0);
+      if (fresh) find_jacobian(step, increment, r);
+      const std::optional<Vector6> newton = newton_change(increment, r);
+      if (!newton) break;
+      Vector6 change = *newton;
       const double old = r.norm();
-      Now trial = moved(increment + change);
-      Vector6 trial_r = residual(trial);
+      Now trial = moved(step, increment + change);
+      Vector6 trial_r = residual(step, trial);
       for (int cut = 0; cut < 6 && !(trial_r.norm() < 2 * old); ++cut) {
         change *= 0.5;
-        trial = moved(increment + change);
-        trial_r = residual(trial);
+        trial = moved(step, increment + change);
+        trial_r = residual(step, trial);
       }
       const Vector6 predicted = jacobian_ * change;
       if (change.squaredNorm() > 0) jacobian_ += (trial_r - r - predicted) * change.transpose() / change.squaredNorm();
       if (!(trial_r.norm() < 0.9 * old) && !fresh) jacobian_known_ = false;
-      fresh = false;
       increment += change;
       next = trial;
       r = trial_r;
     }
-    if (!small(r)) {
-      jacobian_known_ = false;
-      int worst = 0;
-      for (int k = 0; k < 6; ++k)
-        if (is_stress(k) && !(std::abs(r[k]) <= std::abs(r[worst]))) worst = k;
-      worst_ = worst;
-      missed_ = r[worst];
+    if (!is_met(step, r)) {
+      note_missed_control(segment, r);
       return false;
     }
     now = next;
     return true;
+  }
+
+  /// Keeps the controlled stress that is missed most, for the message.
+  void note_missed_control(const Segment& segment, const Vector6& r) {
+    jacobian_known_ = false;
+    worst_ = 0;
+    for (int k = 0; k < 6; ++k)
+      if (is_stress(segment.controls[k]) && !(std::abs(r[k]) <= std::abs(r[worst_]))) worst_ = k;
+    missed_ = r[worst_];
   }
 
   [[noreturn]] void fail(const Segment& segment, double start, double t) {

@@ -26,7 +26,7 @@ double interpolate(const Points& line, double x) {
   return none;
 }
 
-/// How far in y a line is from points, one by one. Points beyond the line count as far off as its end.
+/// Distance in y of a line from each point. Beyond the line, the distance is that from its end.
 std::vector<double> distances(const Points& line, const Points& points) {
   std::vector<double> all;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
@@ -123,7 +123,7 @@ class Measures {
   }
 
  private:
-  /// Tells muParser of a function of a curve and of as many numbers as `measure`, a lambda without captures, takes.
+  /// Defines a function of a curve and of numbers, the arguments of `measure`, a lambda without captures.
   template <class Measure>
   void define(const char* name, Measure measure) {
     define(name, measure, +measure);
@@ -139,7 +139,7 @@ class Measures {
         static_cast<void*>(this), false);
   }
 
-  /// The same of a function of "CURVE: PANEL", a number of the curve as it is drawn there.
+  /// Defines a function of "CURVE: PANEL": a number of the curve as it is drawn there.
   template <double DrawnCurve::*number>
   void define(const char* name) {
     parser_.DefineFunUserData(
@@ -195,9 +195,9 @@ bool Verdict::in_another() const { return std::find(holds.begin() + 1, holds.end
 FigureResult evaluate_figure(const FigureSpec& figure, const FigureRuns& runs) {
   FigureResult result;
   std::vector<Complaint> complaints;
-  const auto attempt = [&](const std::string& what, auto f) {
+  const auto attempt = [&](const std::string& part, auto f) {
     const auto complain = [&](const std::string& why) {
-      complaints.push_back({figure.name + "/figure.toml", 0, 0, what + ": " + why});
+      complaints.push_back({figure.name + "/figure.toml", 0, 0, part + ": " + why});
     };
     try {
       f();

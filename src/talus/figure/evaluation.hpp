@@ -1,6 +1,6 @@
 #pragma once
-/// What a figure shows once its element tests and cases have run: curves in the panels' axes, tables, and verdicts on
-/// what is claimed.
+/// Evaluation of a figure whose element tests and cases have run: curves in the axes of the panels, tables, and verdicts
+/// on the claims.
 
 #include <map>
 
@@ -31,7 +31,7 @@ struct NumbersRow {
   std::vector<double> numbers;
 };
 
-/// What became of a statement: a number for every reading (NaN where it has none), and where it holds.
+/// Verdict on a statement: a number for every reading (NaN where it has none), and the readings in which it holds.
 struct Verdict {
   std::vector<double> numbers;
   std::vector<bool> holds;

@@ -1,5 +1,5 @@
 #pragma once
-/// A figure to be remade: curves, panels, and what a text claims about it. validation/README.md has the format.
+/// A figure to be remade, as plain data: curves, panels, and the claims of a text about it.
 
 #include <algorithm>
 #include <optional>
@@ -99,8 +99,5 @@ struct FigureSpec {
   std::vector<PictureSpec> pictures;
   std::vector<Statement> statements;
 };
-
-/// Reads FOLDER/figure.toml, and the tests and cases it names. Throws InputError with every mistake at once.
-FigureSpec read_figure(const std::string& folder);
 
 }  // namespace talus

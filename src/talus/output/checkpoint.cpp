@@ -34,7 +34,7 @@ class Writer {
  public:
   explicit Writer(const fs::path& file) : file_(file) {}
   void bytes(const void* p, std::size_t n) {
-    if (n == 0) return;  // zlib takes the null pointer of an empty array for the start of a sum
+    if (n == 0) return;  // zlib reads the null pointer of an empty array as the start of a sum
     sum_ = checksum(sum_, p, n);
     file_.write(p, n);
   }
@@ -56,23 +56,23 @@ class Writer {
   std::uint32_t sum_ = 0;
 };
 
-/// Takes a checkpoint apart.
+/// Reads the parts of a checkpoint one after another.
 class Reader {
  public:
   explicit Reader(std::string_view rest) : rest_(rest) {}
   bool at_end() const { return rest_.empty(); }
   std::string_view part() {
     std::uint64_t length;
-    std::memcpy(&length, take(sizeof length).data(), sizeof length);
-    return take(length);
+    std::memcpy(&length, next(sizeof length).data(), sizeof length);
+    return next(length);
   }
 
  private:
-  std::string_view take(std::size_t n) {
+  std::string_view next(std::size_t n) {
     if (n > rest_.size()) throw std::runtime_error("its parts do not fit together");
-    const std::string_view taken = rest_.substr(0, n);
+    const std::string_view bytes = rest_.substr(0, n);
     rest_.remove_prefix(n);
-    return taken;
+    return bytes;
   }
   std::string_view rest_;
 };
@@ -98,11 +98,11 @@ SavedRun read(const fs::path& file) {
     const std::string_view values = parts.part();
     if (name == run_so_far) {
       const auto json = nlohmann::json::parse(values);
-      for (const auto& [what, mine] : {std::pair{"version", version()}, std::pair{"build", build()}})
-        if (const std::string its = json.at(what); its != mine)
+      for (const auto& [key, mine] : {std::pair{"version", version()}, std::pair{"build", build()}})
+        if (const std::string its = json.at(key); its != mine)
           throw std::runtime_error(
               fmt::format("the run was begun by {} {}, and this is {}: another one may give other bits",
-                          what == std::string_view("version") ? "talus" : "the build", its, mine));
+                          key == std::string_view("version") ? "talus" : "the build", its, mine));
       saved.number = json.at("number");
       saved.so_far = json.at("run");
     } else {
@@ -114,9 +114,9 @@ SavedRun read(const fs::path& file) {
   return saved;
 }
 
-/// What decides results and differs between two cases: "cell was 2 mm, is 1 mm".
+/// Differences between two cases that change results: "cell was 2 mm, is 1 mm".
 std::vector<std::string> differences(const std::vector<Understood>& before, const std::vector<Understood>& now) {
-  // When checkpoints are made decides nothing.
+  // When checkpoints are written changes no result.
   const auto values = [](const std::vector<Understood>& understood) {
     std::map<std::string, std::string> all;
     for (const Understood& u : understood)

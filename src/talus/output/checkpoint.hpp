@@ -1,5 +1,5 @@
 #pragma once
-/// Checkpoints: where a run stands, so that it can stop and go on as if it had not.
+/// Checkpoints: where a run stands, so that it can stop and be resumed as if it had not stopped.
 ///
 /// A run keeps its last two in its folder, checkpoint_0.talus and checkpoint_1.talus, and always replaces the older.
 /// A file holds a line that says what it is, then named arrays of eight-byte numbers as the machine has them, among
@@ -18,7 +18,7 @@
 
 namespace talus {
 
-/// What happens at regular instants: at the first step at or after each.
+/// Regular instants: something happens at the first step at or after each.
 struct Schedule {
   double interval = 0;  ///< [s]
   double next = 0;      ///< number of the instant to come
@@ -44,7 +44,7 @@ struct RunSoFar {
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of what pictures will show [s]
   Schedule next_snapshot{}, next_row{};
   double wall_seconds = 0, cpu_seconds = 0;
-  std::vector<double> resumed_at;  ///< times from which the run was gone on with [s]
+  std::vector<double> resumed_at;  ///< times from which the run was resumed [s]
 };
 
 /// A checkpoint as it was read.
@@ -52,7 +52,7 @@ struct SavedRun {
   std::filesystem::path file;
   long number = 0;  ///< of the checkpoints that the run has made
   RunSoFar so_far;
-  std::map<std::string, std::vector<double>> state;  ///< what Simulation::save told
+  std::map<std::string, std::vector<double>> state;  ///< the arrays that Simulation::save wrote
 
   void restore(Simulation& simulation) const;
 };
@@ -84,7 +84,7 @@ class Checkpoints {
 };
 
 /// The newest usable checkpoint in a folder, of the run of the case that was understood so; none if there is none at
-/// all. Tells `refused` why another one is not used. Throws InputError, with all reasons, if no one is usable.
+/// all. Calls `refused` with the reason another one is not used. Throws InputError, with all reasons, if no one is usable.
 std::optional<SavedRun> newest_checkpoint(const std::filesystem::path& folder,
                                           const std::vector<Understood>& understood,
                                           const std::function<void(const std::string&)>& refused);

@@ -18,80 +18,89 @@ struct Column {
   double (*value)(const Ledger&, const Outline&);
 };
 
-std::vector<Column> columns_for(const Case& what) {
-  const int dim = what.dim;
-  const bool axisymmetric = what.axisymmetric;
-  std::vector<Column> c = {
-      {"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
-      {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
-      {"dt [s]", [](const Ledger& l, const Outline&) { return l.dt; }},
-      {"front_x_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[0]; }},
-      {"front_x_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[0]; }},
-  };
-  if (dim == 3) {
-    c.push_back({"front_y_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[1]; }});
-    c.push_back({"front_y_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[1]; }});
-  }
-  if (dim == 3 || axisymmetric)
-    c.push_back({"front_radius [m]", [](const Ledger&, const Outline& o) { return o.front_radius; }});
-  c.push_back({"farthest_x_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[0]; }});
-  c.push_back({"farthest_x_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[0]; }});
-  if (dim == 3) {
-    c.push_back({"farthest_y_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[1]; }});
-    c.push_back({"farthest_y_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[1]; }});
-  }
-  if (dim == 3 || axisymmetric)
-    c.push_back({"farthest_radius [m]", [](const Ledger&, const Outline& o) { return o.farthest_radius; }});
-  const std::vector<Column> rest = {
-      {"height [m]", [](const Ledger&, const Outline& o) { return o.height; }},
-      {"height_at_axis [m]", [](const Ledger&, const Outline& o) { return o.height_at_axis; }},
-      {"kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.kinetic; }},
-      {"potential_energy [J]", [](const Ledger& l, const Outline&) { return l.potential; }},
-      {"elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.elastic; }},
-      {"plastic_dissipation [J]", [](const Ledger& l, const Outline&) { return l.plastic; }},
-      {"collisional_work [J]", [](const Ledger& l, const Outline&) { return l.collisional; }},
-      {"averaging_dissipation [J]", [](const Ledger& l, const Outline&) { return l.averaging; }},
-      {"numerical_dissipation [J]", [](const Ledger& l, const Outline&) { return l.numerical; }},
-      {"wall_friction [J]", [](const Ledger& l, const Outline&) { return l.wall_friction; }},
-      {"work_on_solids [J]", [](const Ledger& l, const Outline&) { return l.wall_work; }},
-      {"energy_error [J]", [](const Ledger& l, const Outline&) { return l.error(); }},
-      {"turnover [J]", [](const Ledger& l, const Outline&) { return l.turnover; }},
-      {"mass [kg]", [](const Ledger& l, const Outline&) { return l.mass; }},
-      {"momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[0]; }},
-      {"momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[1]; }},
-      {"momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[2]; }},
-      {"wall_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[0]; }},
-      {"wall_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[1]; }},
-      {"wall_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[2]; }},
-      {"max_speed [m/s]", [](const Ledger& l, const Outline&) { return l.max_speed; }},
-      {"separated_particles", [](const Ledger& l, const Outline&) { return double(l.n_separated); }},
-      {"unconverged_returns", [](const Ledger& l, const Outline&) { return double(l.n_unconverged); }},
-  };
-  c.insert(c.end(), rest.begin(), rest.end());
-  const std::vector<Column> of_loads = {
-      {"work_of_loads [J]", [](const Ledger& l, const Outline&) { return l.load_work; }},
-      {"load_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[0]; }},
-      {"load_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[1]; }},
-      {"load_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[2]; }},
-  };
-  if (!what.loads.empty()) c.insert(c.end(), of_loads.begin(), of_loads.end());
-  const std::vector<Column> of_outflow = {
-      {"outflow_mass [kg]", [](const Ledger& l, const Outline&) { return l.outflow.mass; }},
-      {"outflow_momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[0]; }},
-      {"outflow_momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[1]; }},
-      {"outflow_momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[2]; }},
-      {"outflow_kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.kinetic; }},
-      {"outflow_potential_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.potential; }},
-      {"outflow_elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.elastic; }},
-      {"gravity_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[0]; }},
-      {"gravity_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[1]; }},
-      {"gravity_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[2]; }},
-  };
-  if (has_outflow(what)) c.insert(c.end(), of_outflow.begin(), of_outflow.end());
-  return c;
+using Columns = std::vector<Column>;
+
+void add(Columns& columns, const Columns& more) { columns.insert(columns.end(), more.begin(), more.end()); }
+
+/// Fronts of the deposit, then the farthest particles.
+void add_outline(Columns& columns, const Case& case_) {
+  const bool has_y = case_.dim == 3, has_radius = case_.dim == 3 || case_.axisymmetric;
+  add(columns, {{"front_x_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[0]; }},
+                {"front_x_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[0]; }}});
+  if (has_y)
+    add(columns, {{"front_y_min [m]", [](const Ledger&, const Outline& o) { return o.front_min[1]; }},
+                  {"front_y_max [m]", [](const Ledger&, const Outline& o) { return o.front_max[1]; }}});
+  if (has_radius) add(columns, {{"front_radius [m]", [](const Ledger&, const Outline& o) { return o.front_radius; }}});
+  add(columns, {{"farthest_x_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[0]; }},
+                {"farthest_x_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[0]; }}});
+  if (has_y)
+    add(columns, {{"farthest_y_min [m]", [](const Ledger&, const Outline& o) { return o.farthest_min[1]; }},
+                  {"farthest_y_max [m]", [](const Ledger&, const Outline& o) { return o.farthest_max[1]; }}});
+  if (has_radius)
+    add(columns, {{"farthest_radius [m]", [](const Ledger&, const Outline& o) { return o.farthest_radius; }}});
+  add(columns, {
+                   {"height [m]", [](const Ledger&, const Outline& o) { return o.height; }},
+                   {"height_at_axis [m]", [](const Ledger&, const Outline& o) { return o.height_at_axis; }},
+               });
 }
 
-std::vector<std::string> names_of(const std::vector<Column>& columns) {
+/// Energies, momentum and impulse that every run has.
+const Columns of_every_run = {
+    {"kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.kinetic; }},
+    {"potential_energy [J]", [](const Ledger& l, const Outline&) { return l.potential; }},
+    {"elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.elastic; }},
+    {"plastic_dissipation [J]", [](const Ledger& l, const Outline&) { return l.plastic; }},
+    {"collisional_work [J]", [](const Ledger& l, const Outline&) { return l.collisional; }},
+    {"averaging_dissipation [J]", [](const Ledger& l, const Outline&) { return l.averaging; }},
+    {"numerical_dissipation [J]", [](const Ledger& l, const Outline&) { return l.numerical; }},
+    {"wall_friction [J]", [](const Ledger& l, const Outline&) { return l.wall_friction; }},
+    {"work_on_solids [J]", [](const Ledger& l, const Outline&) { return l.wall_work; }},
+    {"energy_error [J]", [](const Ledger& l, const Outline&) { return l.error(); }},
+    {"turnover [J]", [](const Ledger& l, const Outline&) { return l.turnover; }},
+    {"mass [kg]", [](const Ledger& l, const Outline&) { return l.mass; }},
+    {"momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[0]; }},
+    {"momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[1]; }},
+    {"momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.momentum[2]; }},
+    {"wall_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[0]; }},
+    {"wall_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[1]; }},
+    {"wall_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.wall_impulse[2]; }},
+    {"max_speed [m/s]", [](const Ledger& l, const Outline&) { return l.max_speed; }},
+    {"separated_particles", [](const Ledger& l, const Outline&) { return double(l.n_separated); }},
+    {"unconverged_returns", [](const Ledger& l, const Outline&) { return double(l.n_unconverged); }},
+};
+
+const Columns of_loads = {
+    {"work_of_loads [J]", [](const Ledger& l, const Outline&) { return l.load_work; }},
+    {"load_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[0]; }},
+    {"load_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[1]; }},
+    {"load_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.load_impulse[2]; }},
+};
+
+const Columns of_outflow = {
+    {"outflow_mass [kg]", [](const Ledger& l, const Outline&) { return l.outflow.mass; }},
+    {"outflow_momentum_x [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[0]; }},
+    {"outflow_momentum_y [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[1]; }},
+    {"outflow_momentum_z [kg m/s]", [](const Ledger& l, const Outline&) { return l.outflow.momentum[2]; }},
+    {"outflow_kinetic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.kinetic; }},
+    {"outflow_potential_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.potential; }},
+    {"outflow_elastic_energy [J]", [](const Ledger& l, const Outline&) { return l.outflow.elastic; }},
+    {"gravity_impulse_x [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[0]; }},
+    {"gravity_impulse_y [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[1]; }},
+    {"gravity_impulse_z [N s]", [](const Ledger& l, const Outline&) { return l.gravity_impulse[2]; }},
+};
+
+Columns columns_for(const Case& case_) {
+  Columns columns = {{"time [s]", [](const Ledger& l, const Outline&) { return l.time; }},
+                     {"step", [](const Ledger& l, const Outline&) { return double(l.step); }},
+                     {"dt [s]", [](const Ledger& l, const Outline&) { return l.dt; }}};
+  add_outline(columns, case_);
+  add(columns, of_every_run);
+  if (!case_.loads.empty()) add(columns, of_loads);
+  if (has_outflow(case_)) add(columns, of_outflow);
+  return columns;
+}
+
+std::vector<std::string> names_of(const Columns& columns) {
   std::vector<std::string> names;
   for (const Column& c : columns) names.push_back(c.name);
   return names;
@@ -131,9 +140,9 @@ int GrowingTable::column(const std::string& name) const {
   return found == columns_.end() ? -1 : int(found - columns_.begin());
 }
 
-History::History(const std::filesystem::path& file, const Case& what, long bytes)
-    : GrowingTable(file, names_of(columns_for(what)), bytes) {
-  for (const Column& c : columns_for(what)) values_.push_back(c.value);
+History::History(const std::filesystem::path& file, const Case& case_, long bytes)
+    : GrowingTable(file, names_of(columns_for(case_)), bytes) {
+  for (const Column& c : columns_for(case_)) values_.push_back(c.value);
 }
 
 void History::add(const Ledger& ledger, const Outline& outline) {
@@ -152,63 +161,60 @@ void SurfaceTable::add(double time, const Surface& surface) {
   GrowingTable::add(rows);
 }
 
+namespace {
+
+using Curves = std::vector<Curve>;
+
+/// Number of a column in the file, from 1; 0 if the history does not have it.
+int number_of(const History& history, const char* name) { return history.column(name) + 1; }
+
+Chart chart(const char* name, const char* caption, std::string y_label, double y_scale, Curves curves) {
+  return {name, caption, "time [s]", std::move(y_label), 1, y_scale, 1, std::move(curves)};
+}
+
+Chart chart_of_fronts(const History& history, const LengthUnit& unit) {
+  const auto column = [&](const char* name) { return number_of(history, name); };
+  return chart("front", "How far the deposit reaches", fmt::format("position of the fronts [{}]", unit.name),
+               1 / unit.length,
+               column("front_radius [m]") > 0
+                   ? Curves{{column("front_radius [m]"), "radius of the deposit"}}
+                   : Curves{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}});
+}
+
+Chart chart_of_energies(const History& history) {
+  const auto column = [&](const char* name) { return number_of(history, name); };
+  Chart energy = chart("energy", "Where the energy went", "energy [J]", 1,
+                       {{column("kinetic_energy [J]"), "kinetic"},
+                        {column("elastic_energy [J]"), "elastic"},
+                        {column("plastic_dissipation [J]"), "friction"},
+                        {column("collisional_work [J]"), "collisions"},
+                        {column("averaging_dissipation [J]"), "averaging"},
+                        {column("numerical_dissipation [J]"), "numerical"},
+                        {column("wall_friction [J]"), "friction on walls"},
+                        {column("work_on_solids [J]"), "work on solids"},
+                        {column("energy_error [J]"), "not accounted for"}});
+  if (const int loads = column("work_of_loads [J]"); loads > 0)
+    energy.curves.insert(energy.curves.end() - 1, {loads, "work of loads"});
+  if (const int outflow = column("outflow_kinetic_energy [J]"); outflow > 0)
+    energy.curves.insert(energy.curves.begin() + 1, {outflow, "kinetic, flowed out"});
+  return energy;
+}
+
+}  // namespace
+
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
-  const auto column = [&](const char* name) { return history.column(name) + 1; };
-  const std::string time = "time [s]";
+  const auto column = [&](const char* name) { return number_of(history, name); };
   std::vector<Chart> charts = {
-      {"front", "How far the deposit reaches", time, fmt::format("position of the fronts [{}]", unit.name), 1,
-       1 / unit.length, 1,
-       column("front_radius [m]") > 0
-           ? std::vector<Curve>{{column("front_radius [m]"), "radius of the deposit"}}
-           : std::vector<Curve>{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}}},
-      {"height",
-       "How high it stands",
-       time,
-       fmt::format("height [{}]", unit.name),
-       1,
-       1 / unit.length,
-       1,
-       {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}}},
-      {"energy",
-       "Where the energy went",
-       time,
-       "energy [J]",
-       1,
-       1,
-       1,
-       {{column("kinetic_energy [J]"), "kinetic"},
-        {column("elastic_energy [J]"), "elastic"},
-        {column("plastic_dissipation [J]"), "friction"},
-        {column("collisional_work [J]"), "collisions"},
-        {column("averaging_dissipation [J]"), "averaging"},
-        {column("numerical_dissipation [J]"), "numerical"},
-        {column("wall_friction [J]"), "friction on walls"},
-        {column("work_on_solids [J]"), "work on solids"},
-        {column("energy_error [J]"), "not accounted for"}}},
-      {"step", "The time step", time, "time step [\u00b5s]", 1, 1e6, 1, {{column("dt [s]"), "time step"}}},
-      {"separated",
-       "Particles whose grains have moved apart",
-       time,
-       "particles",
-       1,
-       1,
-       1,
-       {{column("separated_particles"), "separated particles"}}},
-  };
-  Chart& energy = *std::find_if(charts.begin(), charts.end(), [](const Chart& c) { return c.name == "energy"; });
-  if (column("work_of_loads [J]") > 0)
-    energy.curves.insert(energy.curves.end() - 1, {column("work_of_loads [J]"), "work of loads"});
-  if (column("outflow_mass [kg]") == 0) return charts;
-  energy.curves.insert(energy.curves.begin() + 1, {column("outflow_kinetic_energy [J]"), "kinetic, flowed out"});
-  charts.insert(charts.begin() + 2,
-                {"outflow",
-                 "How much has flowed out",
-                 time,
-                 "mass [kg]",
-                 1,
-                 1,
-                 1,
-                 {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "flowed out"}}});
+      chart_of_fronts(history, unit),
+      chart("height", "How high it stands", fmt::format("height [{}]", unit.name), 1 / unit.length,
+            {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}})};
+  if (column("outflow_mass [kg]") > 0)
+    charts.push_back(chart("outflow", "How much has flowed out", "mass [kg]", 1,
+                           {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "flowed out"}}));
+  charts.push_back(chart_of_energies(history));
+  charts.push_back(chart("step", "The time step", "time step [\u00b5s]", 1e6, {{column("dt [s]"), "time step"}}));
+  charts.push_back(chart("separated", "Particles whose grains have moved apart", "particles", 1,
+                         {{column("separated_particles"), "separated particles"}}));
   return charts;
 }
 

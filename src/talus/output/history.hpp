@@ -16,8 +16,8 @@ namespace talus {
 /// A CSV file that grows while a run goes on.
 class GrowingTable {
  public:
-  /// Creates the file and writes its header, column names with units; or goes on after the first `bytes` of what it
-  /// holds. Throws std::runtime_error, as does `add`, if it cannot be written.
+  /// Creates the file and writes its header, column names with units; or continues an existing one after its first
+  /// `bytes`. Throws std::runtime_error, as does `add`, if it cannot be written.
   GrowingTable(const std::filesystem::path& file, std::vector<std::string> columns, long bytes = 0);
   void add(const std::vector<std::vector<double>>& rows);
 
@@ -40,7 +40,7 @@ class GrowingTable {
 /// history.csv, a row an instant.
 class History : public GrowingTable {
  public:
-  History(const std::filesystem::path& file, const Case& what, long bytes = 0);
+  History(const std::filesystem::path& file, const Case& case_, long bytes = 0);
   void add(const Ledger& ledger, const Outline& outline);
 
  private:
@@ -54,7 +54,7 @@ class SurfaceTable : public GrowingTable {
   void add(double time, const Surface& surface);
 };
 
-/// What of a history is drawn: fronts, height, what has flowed out, energies, time step, separated particles.
+/// Charts of a history: fronts, height, mass that has flowed out, energies, time step, separated particles.
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit);
 
 }  // namespace talus

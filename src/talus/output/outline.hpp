@@ -39,15 +39,22 @@ struct Outline {
   Surface surface;
 };
 
+class Patches;
+
 class OutlineFinder {
  public:
   /// The axis is the vertical line through the particles' centre at the start; of an axisymmetric case x = 0.
-  OutlineFinder(const Case& what, const ParticlePlaces& start);
+  OutlineFinder(const Case& case_, const ParticlePlaces& start);
   Outline find(const ParticlePlaces& particles) const;
 
  private:
-  /// Fronts and surface.
-  void find_deposit(const ParticlePlaces& particles, Outline& outline) const;
+  /// What lies on patches of ground, and on rings about the axis.
+  Patches ground(const ParticlePlaces& particles) const;
+  Patches rings(const ParticlePlaces& particles) const;
+  /// Fronts, and the surface in plane strain.
+  void find_fronts_along_axes(const ParticlePlaces& particles, Outline& outline) const;
+  /// Fronts, and the surface but in plane strain.
+  void find_fronts_around_axis(const ParticlePlaces& particles, Outline& outline) const;
   /// Distance from the axis [m].
   double radius_of(const Vec<3>& place) const;
 

@@ -14,31 +14,49 @@
 
 namespace talus {
 
-namespace {
-
-/// A quantity that pictures show where the laws tell it.
-struct Shown {
+/// A quantity that pictures show if a law of the case has it.
+struct PictureBook::Quantity {
   std::string name, title, label;
 };
-const std::vector<Shown> quantities = {
+
+/// All instants, read back: their extent and, for the scales, the values of each quantity.
+struct PictureBook::Instants {
+  std::vector<std::string> names;  ///< of the columns
+  std::map<std::string, std::vector<double>> values;
+  double low[2], high[2];  ///< [m]
+};
+
+/// Panels of equal scale, with room for tics, titles and the colour bar [pixels].
+struct PictureBook::Layout {
+  int n, columns, rows, panel_height;
+  static constexpr int panel_width = 560, gap_x = 70, gap_y = 64, left = 80, right = 140, top = 70, bottom = 60;
+
+  Layout(int panels, double extent_x, double extent_y)
+      : n(panels),
+        columns(n > 1 ? 2 : 1),
+        rows((n + columns - 1) / columns),
+        panel_height(std::clamp(int(panel_width * extent_y / extent_x), 60, 700)) {}
+  int width() const { return left + columns * panel_width + (columns - 1) * gap_x + right; }
+  int height() const { return top + rows * panel_height + (rows - 1) * gap_y + bottom; }
+};
+
+const std::vector<PictureBook::Quantity> PictureBook::quantities = {
     {"speed", "Speed", "speed [m/s]"},
     {"kappa", "Equivalent plastic strain", "plastic strain [-]"},
     {"viscosity", "Equivalent shear viscosity", "viscosity 2 f_{/Symbol F} {/Symbol m}|g| [Pa s]"}};
 
-}  // namespace
-
-PictureBook::PictureBook(std::filesystem::path folder, const Case& what, std::vector<double> times)
+PictureBook::PictureBook(std::filesystem::path folder, const Case& case_, std::vector<double> times)
     : folder_(std::move(folder)),
-      dim_(what.dim),
-      axisymmetric_(what.axisymmetric),
-      cell_(what.cell),
-      unit_(length_unit_for(extent(what))),
-      title_(what.title),
-      solids_(what.solids),
+      dim_(case_.dim),
+      axisymmetric_(case_.axisymmetric),
+      cell_(case_.cell),
+      unit_(length_unit_for(extent(case_))),
+      title_(case_.title),
+      solids_(case_.solids),
       times_(std::move(times)) {
-  const Box box = bounding_box(what.bodies.at(0).region, dim_);
+  const Box box = bounding_box(case_.bodies.at(0).region, dim_);
   slice_ = 0.5 * (box.min[1] + box.max[1]);
-  floor_ = what.domain.min[dim_ - 1];
+  floor_ = case_.domain.min[dim_ - 1];
   std::filesystem::create_directories(folder_);
 }
 
@@ -49,8 +67,8 @@ void PictureBook::add(const Observation& seen) {
   std::ostringstream out;
   out << "# t = " << seen.time << " s\n" << (dim_ == 3 ? "x [m],z [m]" : "x [m],y [m]") << ",size [m],speed [m/s]";
   std::vector<const Field*> fields;
-  for (const Shown& s : quantities)
-    if (const Field* f = seen.find(s.name)) {
+  for (const Quantity& q : quantities)
+    if (const Field* f = seen.find(q.name)) {
       fields.push_back(f);
       out << "," << f->name << " [" << f->unit << "]";
     }
@@ -83,88 +101,102 @@ std::string PictureBook::write_solids(int number, const double low[2], const dou
   return name;
 }
 
-std::vector<Picture> PictureBook::draw() const {
-  std::vector<Picture> pictures;
-  // What is shown is read back, so that a run that was stopped and gone on with shows the same.
-  double low[2] = {1e300, floor_}, high[2] = {-1e300, -1e300};
-  std::vector<std::string> names;
-  std::map<std::string, std::vector<double>> values;  // of all instants, for the scales
+PictureBook::Instants PictureBook::read_instants() const {
+  Instants all{{}, {}, {1e300, floor_}, {-1e300, -1e300}};
   for (std::size_t i = 0; i < times_.size(); ++i) {
     const NumberTable table = read_csv(instant(int(i)).string());
-    names = table.names;
+    all.names = table.names;
     for (const auto& row : table.rows) {
-      low[0] = std::min(low[0], row[0]);
-      for (int a = 0; a < 2; ++a) high[a] = std::max(high[a], row[a]);
+      all.low[0] = std::min(all.low[0], row[0]);
+      for (int a = 0; a < 2; ++a) all.high[a] = std::max(all.high[a], row[a]);
       for (std::size_t c = 3; c < row.size(); ++c)
-        if (std::isfinite(row[c])) values[names[c].substr(0, names[c].find(' '))].push_back(row[c]);
+        if (std::isfinite(row[c])) all.values[all.names[c].substr(0, all.names[c].find(' '))].push_back(row[c]);
     }
   }
-  if (!(high[0] > low[0])) return pictures;
-  const double margin = 2 * cell_;
-  low[0] -= margin;
-  for (double& end : high) end += margin;
-  const double width = high[0] - low[0], height = high[1] - low[1];
-  const int n = int(times_.size()), columns = n > 1 ? 2 : 1, rows = (n + columns - 1) / columns;
-  // Panels of equal scale; room for tics, titles and the colour bar in pixels.
-  const int panel_w = 560, panel_h = std::clamp(int(panel_w * height / width), 60, 700), gap_x = 70, gap_y = 64,
-            left = 80, right = 140, top = 70, bottom = 60;
-  const int total_w = left + columns * panel_w + (columns - 1) * gap_x + right,
-            total_h = top + rows * panel_h + (rows - 1) * gap_y + bottom;
+  return all;
+}
 
-  // Columns of the files in the unit of the axes: x, y and half the size of a particle, drawn a fifth larger.
+std::string PictureBook::caption(const Quantity& quantity) const {
+  return quantity.title + (dim_ == 3 ? ", slice through the middle" : "");
+}
+
+std::string PictureBook::columns_of_places() const { return fmt::format("($1*{0:g}):($2*{0:g})", 1 / unit_.length); }
+
+/// End of a quantity's scale: the 99th percentile, so that a few outliers do not darken everything else.
+static double end_of_scale(std::vector<double> values) {
+  const auto at = values.begin() + std::ptrdiff_t(0.99 * double(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at > 0 ? *at : 1;
+}
+
+std::string PictureBook::head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const {
   const double per_metre = 1 / unit_.length;
-  const std::string places = fmt::format("($1*{0:g}):($2*{0:g})", per_metre);
+  const int width = layout.width(), height = layout.height();
+  return fmt::format("set terminal pngcairo size {},{} font 'sans,11' background '#ffffff'\n", width, height) +
+         "set output " + gnuplot_text(quantity.name + ".png") + "\n" + even_palette() +
+         fmt::format("set cbrange [0:{:.3g}]\nset cblabel '{}' offset 1\n", end_of_scale(all.values.at(quantity.name)),
+                     quantity.label) +
+         "set datafile separator ','\nset key off\nset border 3 lc '#888888'\nset tics nomirror tc '#333333' scale "
+         "0.6\n" +
+         fmt::format("set colorbox user origin screen {:.4f}, screen {:.4f} size screen {:.4f}, screen {:.4f}\n",
+                     double(width - Layout::right + 30) / width, double(Layout::bottom) / height, 16.0 / width,
+                     double(height - Layout::top - Layout::bottom) / height) +
+         fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
+                     gnuplot_text(title_ + ": " + caption(quantity))) +
+         fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", per_metre * all.low[0],
+                     per_metre * all.high[0], per_metre * all.low[1], per_metre * all.high[1]);
+}
+
+std::string PictureBook::panel_of_script(int number, const Layout& layout) const {
+  const int column = number % layout.columns, row = number / layout.columns;
+  const bool is_lowest = row == layout.rows - 1 || number + layout.columns >= layout.n;
+  const double x0 = Layout::left + column * (Layout::panel_width + Layout::gap_x),
+               y1 = layout.height() - Layout::top - row * (layout.panel_height + Layout::gap_y);
+  return fmt::format(
+             "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset "
+             "tmargin at screen {:.5f}\n",
+             x0 / layout.width(), (x0 + Layout::panel_width) / layout.width(),
+             (y1 - layout.panel_height) / layout.height(), y1 / layout.height()) +
+         fmt::format("set title 't = {:.3f} s' offset 0,-0.7\n", times_[number]) +
+         (column == 0 ? fmt::format("set ylabel '{} [{}]' offset 1\n", dim_ == 3 ? "z" : "y", unit_.name)
+                      : "unset ylabel\n") +
+         (is_lowest ? fmt::format("set xlabel 'x [{}]' offset 0,0.4\n", unit_.name) : "unset xlabel\n") +
+         (number == 1 ? "unset colorbox\n" : "");
+}
+
+std::vector<Picture> PictureBook::draw() const {
+  // Instants are read back, so that a run that was stopped and resumed shows the same.
+  Instants all = read_instants();
+  if (!(all.high[0] > all.low[0])) return {};
+  const double margin = 2 * cell_;
+  all.low[0] -= margin;
+  for (double& end : all.high) end += margin;
+  const double width = all.high[0] - all.low[0], height = all.high[1] - all.low[1];
+  const Layout layout(int(times_.size()), width, height);
 
   std::vector<std::string> surfaces;  // what draws them, panel by panel
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < layout.n; ++i)
     surfaces.push_back(solids_.empty()
                            ? ""
                            : fmt::format(", {} skip 1 using {} with points pt 7 ps 0.25 lc '#333333'",
-                                         gnuplot_text(write_solids(i, low, high, width / panel_w)), places));
+                                         gnuplot_text(write_solids(i, all.low, all.high, width / Layout::panel_width)),
+                                         columns_of_places()));
 
-  for (const Shown& s : quantities) {
-    if (!values.contains(s.name)) continue;
-    const auto named = [&](const std::string& name) { return name.rfind(s.name + " ", 0) == 0; };
-    const int column = int(std::find_if(names.begin(), names.end(), named) - names.begin()) + 1;
-    // The scale ends at the 99th percentile, so that a few outliers do not darken everything else.
-    std::vector<double>& all = values[s.name];
-    const auto at = all.begin() + std::ptrdiff_t(0.99 * double(all.size() - 1));
-    std::nth_element(all.begin(), at, all.end());
-    const double most = *at > 0 ? *at : 1;
-    const std::filesystem::path script = folder_ / (s.name + ".gp"), image = folder_ / (s.name + ".png");
-    std::ostringstream out;
-    out << fmt::format("set terminal pngcairo size {},{} font 'sans,11' background '#ffffff'\n", total_w, total_h)
-        << "set output " << gnuplot_text(image.filename().string()) << "\n"
-        << even_palette() << fmt::format("set cbrange [0:{:.3g}]\nset cblabel '{}' offset 1\n", most, s.label)
-        << "set datafile separator ','\nset key off\nset border 3 lc '#888888'\nset tics nomirror tc '#333333' scale "
-           "0.6\n"
-        << fmt::format("set colorbox user origin screen {:.4f}, screen {:.4f} size screen {:.4f}, screen {:.4f}\n",
-                       double(total_w - right + 30) / total_w, double(bottom) / total_h, 16.0 / total_w,
-                       double(total_h - top - bottom) / total_h)
-        << fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
-                       gnuplot_text(title_ + ": " + s.title + (dim_ == 3 ? ", slice through the middle" : "")))
-        << fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", per_metre * low[0],
-                       per_metre * high[0], per_metre * low[1], per_metre * high[1]);
-    for (int i = 0; i < n; ++i) {
-      const int c = i % columns, r = i / columns;
-      const double x0 = left + c * (panel_w + gap_x), y1 = total_h - top - r * (panel_h + gap_y);
-      out << fmt::format(
-                 "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset "
-                 "tmargin at screen {:.5f}\n",
-                 x0 / total_w, (x0 + panel_w) / total_w, (y1 - panel_h) / total_h, y1 / total_h)
-          << fmt::format("set title 't = {:.3f} s' offset 0,-0.7\n", times_[i])
-          << (c == 0 ? fmt::format("set ylabel '{} [{}]' offset 1\n", dim_ == 3 ? "z" : "y", unit_.name)
-                     : "unset ylabel\n")
-          << (r == rows - 1 || i + columns >= n ? fmt::format("set xlabel 'x [{}]' offset 0,0.4\n", unit_.name)
-                                                : "unset xlabel\n")
-          << (i == 1 ? "unset colorbox\n" : "")
-          << fmt::format("plot {} skip 2 using {}:($3*{:g}):{} with circles fill solid noborder lc palette{}\n",
-                         gnuplot_text(instant(i).filename().string()), places, 0.6 * per_metre, column, surfaces[i]);
-    }
-    out << "unset multiplot\n";
-    write_whole(script, out.str());
-    if (!run_gnuplot(script)) return {};
-    pictures.push_back({image, s.title + (dim_ == 3 ? ", slice through the middle" : "")});
+  std::vector<Picture> pictures;
+  for (const Quantity& q : quantities) {
+    if (!all.values.contains(q.name)) continue;
+    const auto is_of_quantity = [&](const std::string& name) { return name.rfind(q.name + " ", 0) == 0; };
+    const auto column = std::find_if(all.names.begin(), all.names.end(), is_of_quantity) - all.names.begin() + 1;
+    std::string script = head_of_script(q, all, layout);
+    for (int i = 0; i < layout.n; ++i)  // half the size of a particle, drawn a fifth larger
+      script += panel_of_script(i, layout) +
+                fmt::format("plot {} skip 2 using {}:($3*{:g}):{} with circles fill solid noborder lc palette{}\n",
+                            gnuplot_text(instant(i).filename().string()), columns_of_places(), 0.6 * (1 / unit_.length),
+                            column, surfaces[i]);
+    const std::filesystem::path file = folder_ / (q.name + ".gp");
+    write_whole(file, script + "unset multiplot\n");
+    if (!run_gnuplot(file)) return {};
+    pictures.push_back({folder_ / (q.name + ".png"), caption(q)});
   }
   return pictures;
 }

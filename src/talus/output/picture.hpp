@@ -16,13 +16,13 @@ struct Picture {
   std::string caption;
 };
 
-/// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, those of them
-/// that the laws tell, and where the surfaces of solids are. In 3D it shows the slice through the middle. Data
+/// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, as far as the
+/// laws have them, and the surfaces of solids. In 3D it shows the slice through the middle. Data
 /// (instant_0.csv ..., solids_0.csv ...) and scripts (speed.gp ...) stay in the folder.
 class PictureBook {
  public:
   /// `times` are those of the instants that are there already [s].
-  PictureBook(std::filesystem::path folder, const Case& what, std::vector<double> times = {});
+  PictureBook(std::filesystem::path folder, const Case& case_, std::vector<double> times = {});
   void add(const Observation& seen);
   /// Draws everything. Empty if there is no gnuplot or nothing was added.
   std::vector<Picture> draw() const;
@@ -31,6 +31,18 @@ class PictureBook {
   std::filesystem::path instant(int number) const;
 
  private:
+  struct Quantity;
+  struct Instants;
+  struct Layout;
+  static const std::vector<Quantity> quantities;
+
+  Instants read_instants() const;
+  std::string caption(const Quantity& quantity) const;
+  /// The columns x and y of the files in the unit of the axes, as gnuplot reads them.
+  std::string columns_of_places() const;
+  std::string head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const;
+  /// Place, title and labels of a panel.
+  std::string panel_of_script(int number, const Layout& layout) const;
   /// Writes where the surfaces of solids are at an instant, within a part of the plane that is shown. Returns the file.
   std::string write_solids(int number, const double low[2], const double high[2], double spacing) const;
 

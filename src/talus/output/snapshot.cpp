@@ -19,8 +19,8 @@ namespace {
 /// An HDF5 identifier that closes itself; a negative one is an error.
 class Handle {
  public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const char* what) : id_(id), close_(close) {
-    if (id < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", what));
+  Handle(hid_t id, herr_t (*close)(hid_t), const char* action) : id_(id), close_(close) {
+    if (id < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", action));
   }
   ~Handle() { close_(id_); }
   Handle(const Handle&) = delete;
@@ -32,8 +32,8 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-void check(herr_t status, const char* what) {
-  if (status < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", what));
+void check(herr_t status, const char* action) {
+  if (status < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", action));
 }
 
 void write_text_attribute(hid_t object, const char* name, const std::string& text) {
@@ -46,7 +46,7 @@ void write_text_attribute(hid_t object, const char* name, const std::string& tex
 }
 
 template <class T>
-void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, const std::vector<T>& values,
+void write_dataset(hid_t group, const char* name, hid_t stored, hid_t in_memory, const std::vector<T>& values,
                    int components, const Field* field = nullptr) {
   const hsize_t dims[2] = {values.size() / components, hsize_t(components)};
   const Handle space(H5Screate_simple(components > 1 ? 2 : 1, dims, nullptr), H5Sclose, "make a space");
@@ -60,7 +60,7 @@ void write_dataset(hid_t group, const char* name, hid_t stored, hid_t given, con
   H5Pset_obj_track_times(properties, false);  // the same numbers make the same file
   const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
                    "make a dataset");
-  if (!values.empty()) check(H5Dwrite(set, given, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
+  if (!values.empty()) check(H5Dwrite(set, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
   if (field) {
     write_text_attribute(set, "units", field->unit);
     write_text_attribute(set, "meaning", field->meaning);

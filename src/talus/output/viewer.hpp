@@ -10,7 +10,8 @@
 
 namespace talus {
 
-/// About the most that packed particles take in a page [bytes]; browsers open a page of this size in seconds.
+/// Upper bound on the size of the packed particles in a page, roughly [bytes]; browsers open a page of this size in
+/// seconds.
 inline constexpr std::size_t viewer_budget = 100'000'000;
 /// Instants that are kept at least, if there are so many; then particles are left out instead.
 inline constexpr int fewest_instants = 8;
@@ -18,7 +19,7 @@ inline constexpr int fewest_instants = 8;
 /// The viewer of these snapshots and its data as HTML. Places are rounded to 1/65535 of the extent of an instant, values
 /// to 9 bits (0.2 %). What does not fit into `budget` is left out, instants first, evenly, and the page
 /// says so. Throws std::runtime_error if a snapshot cannot be read or holds other fields than the first.
-std::string viewer(const Case& what, const std::vector<std::filesystem::path>& snapshots,
+std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& snapshots,
                    std::size_t budget = viewer_budget);
 
 }  // namespace talus

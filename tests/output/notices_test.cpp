@@ -1,8 +1,8 @@
 /// What the last lines of a run warn of.
 
-#include <gtest/gtest.h>
+#include "talus/output/notices.hpp"
 
-#include "talus/output/report.hpp"
+#include <gtest/gtest.h>
 
 namespace talus {
 namespace {

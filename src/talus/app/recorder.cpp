@@ -1,0 +1,98 @@
+#include "talus/app/recorder.hpp"
+
+#include <algorithm>
+#include <limits>
+
+#include "talus/base/file.hpp"
+#include "talus/base/machine.hpp"
+
+namespace talus {
+
+RunClock::RunClock(double wall_before, double cpu_before)
+    : start_(std::chrono::steady_clock::now()),
+      wall_before_(wall_before),
+      cpu_before_(cpu_before - talus::cpu_seconds()) {}
+
+double RunClock::wall_seconds() const {
+  return wall_before_ + std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+double RunClock::cpu_seconds() const { return cpu_before_ + talus::cpu_seconds(); }
+
+namespace {
+
+/// The checkpoints of a run; a new one gets its first, so that there is one as soon as there are results.
+Checkpoints checkpoints_of(const Task& task, const RunSoFar& so_far, const Simulation& simulation) {
+  Checkpoints checkpoints(task.folder, task.saved ? &*task.saved : nullptr);
+  if (!task.saved) checkpoints.write(so_far, simulation);
+  return checkpoints;
+}
+
+}  // namespace
+
+Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outlines, const Simulation& simulation)
+    : outlines_(outlines),
+      so_far_(std::move(so_far)),
+      checkpoints_(checkpoints_of(task, so_far_, simulation)),
+      history_(task.folder / "history.csv", task.input.what, so_far_.history_bytes),
+      surfaces_(task.folder / "surface.csv", task.input.what.dim, task.input.what.axisymmetric, so_far_.surface_bytes),
+      snapshots_(task.folder, task.input.what.output.fields, so_far_.snapshots),
+      pictures_(task.folder / "pictures", task.input.what, so_far_.instants),
+      picture_times_(task.input.what.output.pictures),
+      checkpoint_times_{task.input.what.output.checkpoints.value_or(std::numeric_limits<double>::infinity())},
+      checkpoint_wall_(task.input.what.output.checkpoint_wall),
+      clock_(so_far_.wall_seconds, so_far_.cpu_seconds),
+      checkpoint_at_(clock_.wall_seconds()) {
+  std::sort(picture_times_.begin(), picture_times_.end());
+  std::erase_if(picture_times_, [&](double t) { return !so_far_.instants.empty() && t <= so_far_.instants.back(); });
+  checkpoint_times_.due(simulation.ledger().time);
+}
+
+bool Recorder::picture_is_due(double time) {
+  const auto to_come =
+      std::find_if(picture_times_.begin(), picture_times_.end(), [&](double t) { return !(time >= t); });
+  const bool due = to_come != picture_times_.begin();
+  picture_times_.erase(picture_times_.begin(), to_come);
+  return due;
+}
+
+void Recorder::record(Simulation& simulation, bool is_end) {
+  const double t = simulation.ledger().time;
+  const bool picture = picture_is_due(t);
+  const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);
+  const bool row = so_far_.next_row.due(t) || (is_end && so_far_.next_row.last != t);
+  if (row || snapshot) {
+    const Outline outline = outlines_.find(simulation.places());
+    if (row) history_.add(simulation.ledger(), outline);
+    if (snapshot) surfaces_.add(t, outline.surface);
+  }
+  if (!snapshot && !picture) return;
+  Observation seen = simulation.observe();
+  if (picture) pictures_.add(seen);
+  if (snapshot) snapshots_.add(std::move(seen));
+}
+
+bool Recorder::checkpoint_is_due(const Simulation& simulation) {
+  const bool by_time = checkpoint_times_.due(simulation.ledger().time);
+  return by_time || clock_.wall_seconds() - checkpoint_at_ >= checkpoint_wall_;
+}
+
+void Recorder::write_checkpoint(const Simulation& simulation) {
+  snapshots_.finish();
+  so_far_.time = simulation.ledger().time;
+  so_far_.step = simulation.ledger().step;
+  so_far_.wall_seconds = clock_.wall_seconds();
+  so_far_.cpu_seconds = clock_.cpu_seconds();
+  so_far_.history_bytes = history_.bytes();
+  so_far_.surface_bytes = surfaces_.bytes();
+  put_on_disk(history_.file());
+  put_on_disk(surfaces_.file());
+  for (int i = int(so_far_.snapshots.size()); i < snapshots_.size(); ++i) put_on_disk(snapshots_.file(i));
+  for (int i = int(so_far_.instants.size()); i < int(pictures_.times().size()); ++i) put_on_disk(pictures_.instant(i));
+  so_far_.snapshots = snapshots_.times();
+  so_far_.instants = pictures_.times();
+  checkpoints_.write(so_far_, simulation);
+  checkpoint_at_ = clock_.wall_seconds();
+}
+
+}  // namespace talus

@@ -1,0 +1,129 @@
+#include "talus/output/notices.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace talus {
+
+std::string notice_of_stiffness(const Numerics& numerics) {
+  const double factor = numerics.stiffness_factor;
+  if (factor == 1) return "";
+  return fmt::format(
+      "The elastic stiffness is scaled by {:.4g} (`stiffness_factor`): steps that waves bound are about {:.2g} times "
+      "longer; waves travel {:.2g} times slower, and the ground settles elastically {:.3g} times as much. Compare one "
+      "run with 1.",
+      factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
+}
+
+std::string notice_of_preset(const Case& case_) {
+  const Numerics& n = case_.numerics;
+  if (n.preset != Preset::paper) return "";
+  std::vector<std::string> departures;
+  const auto note = [&](bool departs, const std::string& text) {
+    if (departs) departures.push_back(text);
+  };
+  note(n.shape_function != ShapeFunction::linear, "other shapes");
+  note(n.transfer != Transfer::flip || n.flip_share != 1, "another transfer");
+  note(n.order != Order::usf, "another order");
+  note(n.integration.scheme != Integrator::forward_euler, "another integrator");
+  note(n.average_pressure || n.f_bar, "averaging over cells");
+  note(n.particle_shifting, "particle shifting");
+  note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
+  for (const Material& m : case_.materials)
+    std::visit(
+        [&]<class Law>(const Law& law) {
+          if constexpr (requires { law.collisional.form; })
+            note(law.collisional.form != CollisionalForm::rate, "another collisional form of " + m.name);
+          else if constexpr (requires { law.form; })
+            note(law.form != CollisionalForm::rate, "another collisional form of " + m.name);
+        },
+        m.law);
+  std::string text =
+      "preset = \"paper\" is the paper's scheme as printed, for comparison: pressure scatters from particle to "
+      "particle, the rate form leaves collisional stress behind at rest, and stress jumps where particles cross cells "
+      "(docs/numerics.md).";
+  if (!departures.empty()) text += fmt::format(" This case departs from it: {}.", fmt::join(departures, ", "));
+  return text;
+}
+
+std::string notice_of_symmetry(const Case& case_) {
+  int planes = 0;
+  for (const Wall& wall : case_.walls) planes += wall.kind == WallKind::symmetry;
+  if (planes == 0) return "";
+  return fmt::format("{} plane{} of symmetry: masses, energies and impulses are those of the part that is computed.",
+                     planes, planes == 1 ? "" : "s");
+}
+
+std::string notice_of_outflow(const Ledger& l) {
+  if (l.outflow.mass == 0) return "";
+  return fmt::format(
+      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides. Fronts and heights are those of what is "
+      "still there.",
+      l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass));
+}
+
+std::string in_words(const StepTally& t) {
+  const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
+  if (t.n() == 0) return "no steps";
+  std::string text = fmt::format("{} steps of {} to {}, {} on average; bound by", t.n(), length(t.shortest),
+                                 length(t.longest), length(t.mean()));
+  std::string separator = " ";
+  for (int i = 0; i < n_bounds; ++i) {
+    if (t.held[i] == 0) continue;
+    std::string name(bound_names[i].word);
+    std::replace(name.begin(), name.end(), '_', ' ');
+    text += fmt::format("{}{} {:.1f} %", separator, name, 100 * t.share(Bound(i)));
+    separator = ", ";
+    if (Bound(i) == Bound::waves_and_motion)
+      text += fmt::format(" (waves at {:.3g} m/s make {:.0f} % of it, particles at {:.2g} m/s the rest)",
+                          t.mean_of(t.wave_speed), 100 * t.mean_of(t.wave_share), t.mean_of(t.speed));
+  }
+  return text;
+}
+
+std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
+  std::vector<std::string> warnings;
+  if (const std::string notice = notice_of_stiffness(case_.numerics); !notice.empty()) warnings.push_back(notice);
+  if (const std::string notice = notice_of_preset(case_); !notice.empty()) warnings.push_back(notice);
+  const Ledger& l = run.ledger;
+  // Shares of next to nothing say nothing: ground that was not lowered by a hundredth of a cell, on average, has rested.
+  const double weight = l.mass * std::hypot(case_.gravity[0], case_.gravity[1], case_.gravity[2]);
+  const double energy = l.turnover > 0.01 * case_.cell * weight ? l.turnover : 0;
+  if (depends_on_step(case_.numerics))
+    warnings.push_back(fmt::format(
+        "The result depends on the time step by construction: {} drops a share of the particles' velocity every step, "
+        "however short it is. Use transfer = \"affine_tau\", or compare runs with different `cfl`.",
+        case_.numerics.transfer == Transfer::flip
+            ? fmt::format("`flip_share` = {:.4g}", case_.numerics.flip_share)
+            : fmt::format("transfer = \"{}\"", word_of(case_.numerics.transfer))));
+  if (energy > 0 && std::abs(l.error()) > most_missed * energy)
+    warnings.push_back(
+        fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
+                    100 * std::abs(l.error()) / energy));
+  if (energy > 0 && l.numerical + l.averaging > 0.25 * energy)
+    warnings.push_back(fmt::format(
+        "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
+        100 * (l.numerical + l.averaging) / energy));
+  if (energy > 0 && l.numerical + l.averaging < -most_missed * energy)
+    warnings.push_back(fmt::format(
+        "The method won {:.1f} % of the energy turned over: velocity that the grid cannot hold feeds on itself. "
+        "Use {}a smoother `shape`.",
+        -100 * (l.numerical + l.averaging) / energy,
+        case_.numerics.transfer == Transfer::affine_tau ? "" : "transfer = \"affine_tau\" or "));
+  if (l.n_unconverged > 0)
+    warnings.push_back(
+        fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",
+                    l.n_unconverged));
+  const bool moves = l.kinetic > 0.01 * l.turnover;  // and grains that fly are apart, as they should be
+  if (!moves && l.n_separated > 0.2 * double(run.n_particles))
+    warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
+                                   100.0 * l.n_separated / double(run.n_particles)));
+  if (energy > 0 && l.plastic > 0 && moves)
+    warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
+  return warnings;
+}
+
+}  // namespace talus

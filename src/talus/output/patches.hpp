@@ -1,0 +1,74 @@
+#pragma once
+/// Patches of ground as wide as a cell, and how thick the material lies on them.
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace talus {
+
+/// A patch of ground and what lies on it.
+struct Patch {
+  double volume = 0, area = 0;
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
+  /// How far the material reaches along each axis, towards the low and the high side; outwards positive.
+  double reach[2][2] = {{-infinite, -infinite}, {-infinite, -infinite}};
+
+  double thickness() const { return volume / area; }
+  void add(double more, int axis, double low, double high) {
+    volume += more;
+    stretch(axis, low, high);
+  }
+  void stretch(int axis, double low, double high) {
+    reach[axis][0] = std::max(reach[axis][0], -low);
+    reach[axis][1] = std::max(reach[axis][1], high);
+  }
+};
+
+/// n[0] x n[1] patches of ground as wide as a cell.
+class Patches {
+ public:
+  Patches(std::array<double, 2> origin, std::array<int, 2> n, double width)
+      : origin_(origin), n_(n), width_(width), patches_(std::size_t(n[0]) * n[1]) {}
+
+  Patch& at(int i, int j = 0) { return patches_[std::size_t(j) * n_[0] + i]; }
+  const Patch& at(int i, int j = 0) const { return patches_[std::size_t(j) * n_[0] + i]; }
+  double middle(int i) const { return origin_[0] + (i + 0.5) * width_; }
+  int n() const { return n_[0]; }
+
+  /// Calls `add` with every patch along an axis that [low, high] meets, and with the part in it.
+  template <class Add>
+  void divide(int axis, double low, double high, Add add) const {
+    low = std::max(low, origin_[axis]);
+    high = std::min(high, origin_[axis] + n_[axis] * width_);
+    if (!(low < high)) return;               // beyond the domain, or nowhere
+    const double rounding = 1e-12 * width_;  // so that what ends at a patch's edge is not also beyond it
+    for (int i = std::clamp(int((low - origin_[axis]) / width_) - 1, 0, n_[axis] - 1); i < n_[axis]; ++i) {
+      const double begin = origin_[axis] + i * width_, end = begin + width_;
+      if (begin > high - rounding) break;
+      if (end > low + rounding) add(i, std::max(low, begin), std::min(high, end));
+    }
+  }
+
+  /// How thick the material is on average over a patch and those around it that hold some.
+  double mean_thickness(std::size_t k) const;
+
+  /// Patches of the deposit: that hold material, on average at least `level` thick, and are connected by their sides; of
+  /// several such sets the one that holds most.
+  std::vector<bool> deposit(double level) const;
+
+  /// Where the deposit ends along an axis, at its low (0) or high (1) side; NaN if there is none.
+  double front(const std::vector<bool>& deposit, double level, int axis, int side) const;
+
+ private:
+  std::optional<std::size_t> neighbour(std::size_t k, int axis, int side) const;
+
+  std::array<double, 2> origin_;
+  std::array<int, 2> n_;
+  double width_;
+  std::vector<Patch> patches_;
+};
+
+}  // namespace talus

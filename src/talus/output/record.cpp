@@ -1,0 +1,105 @@
+#include "talus/output/record.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "talus/base/file.hpp"
+#include "talus/base/machine.hpp"
+
+namespace talus {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json vector(const Vec<3>& v) { return {v[0], v[1], v[2]}; }
+
+Json run_in_json(const RunSummary& run) {
+  const double particle_steps = double(run.n_particles) * double(run.ledger.step);
+  return {{"outcome", !run.failure.empty() ? "failed"
+                      : run.stopped        ? "stopped"
+                                           : "finished"},
+          {"failure", run.failure},
+          {"particles", run.n_particles},
+          {"steps", run.ledger.step},
+          {"simulated_seconds", run.ledger.time},
+          {"wall_seconds", run.wall_seconds},
+          {"cpu_seconds", run.cpu_seconds},
+          {"particle_steps_per_wall_second", run.wall_seconds > 0 ? particle_steps / run.wall_seconds : 0},
+          {"particle_steps_per_cpu_second", run.cpu_seconds > 0 ? particle_steps / run.cpu_seconds : 0},
+          {"bytes_per_particle", run.n_particles > 0 ? double(run.bytes) / double(run.n_particles) : 0},
+          {"snapshots", run.n_snapshots},
+          {"resumed_at_seconds", run.resumed_at},
+          {"warnings", run.warnings}};
+}
+
+void add_ledger(const Ledger& l, Json& record) {
+  record["ledger_joule"] = {
+      {"initial", l.initial},          {"kinetic", l.kinetic},     {"potential", l.potential},
+      {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
+      {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
+      {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  if (l.load_impulse != Vec<3>{}) {
+    record["ledger_joule"]["work_of_loads"] = l.load_work;
+    record["load_impulse_newton_second"] = vector(l.load_impulse);
+  }
+  if (l.outflow.mass > 0)
+    record["outflow"] = {{"mass_kilogram", l.outflow.mass},
+                         {"momentum_newton_second", vector(l.outflow.momentum)},
+                         {"kinetic_joule", l.outflow.kinetic},
+                         {"potential_joule", l.outflow.potential},
+                         {"elastic_joule", l.outflow.elastic}};
+  record["wall_impulse_newton_second"] = vector(l.wall_impulse);
+}
+
+Json time_step_in_json(const StepTally& t) {
+  Json held;
+  for (int i = 0; i < n_bounds; ++i) held[std::string(bound_names[i].word)] = t.held[i];
+  return {{"shortest_seconds", t.n() > 0 ? t.shortest : 0},
+          {"mean_seconds", t.mean()},
+          {"longest_seconds", t.longest},
+          {"steps_bound_by", held},
+          {"of_waves_and_motion",
+           {{"mean_wave_speed", t.mean_of(t.wave_speed)},
+            {"mean_fastest_particle", t.mean_of(t.speed)},
+            {"share_of_waves", t.mean_of(t.wave_share)}}}};
+}
+
+Json outline_in_json(const Outline& o) {
+  return {{"front_x_min", o.front_min[0]},
+          {"front_x_max", o.front_max[0]},
+          {"front_radius", o.front_radius},
+          {"farthest_x_min", o.farthest_min[0]},
+          {"farthest_x_max", o.farthest_max[0]},
+          {"farthest_radius", o.farthest_radius},
+          {"height", o.height},
+          {"height_at_axis", o.height_at_axis}};
+}
+
+}  // namespace
+
+void write_record(const std::filesystem::path& file, const RunSummary& run) {
+  Json record;
+  record["talus"] = version();
+  record["build"] = build();
+  record["case_file"] = run.case_file;
+  for (const Understood& u : run.understood)
+    record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
+  record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
+  record["run"] = run_in_json(run);
+  add_ledger(run.ledger, record);
+  record["time_step"] = time_step_in_json(run.tally);
+  record["outline_metre"] = {{"start", outline_in_json(run.start)}, {"end", outline_in_json(run.end)}};
+  write_whole(file, record.dump(2) + "\n");
+}
+
+bool is_finished(const std::filesystem::path& folder, const std::string& case_text) {
+  for (const char* name : {"record.json", "case.toml", "history.csv", "surface.csv"})
+    if (!std::filesystem::exists(folder / name)) return false;
+  const auto record = nlohmann::json::parse(contents_of(folder / "record.json"), nullptr, false);
+  return record.is_object() && record.value("talus", "") == version() && record.value("build", "") == build() &&
+         record.contains("run") && record["run"].value("outcome", "") == "finished" &&
+         contents_of(folder / "case.toml") == case_text;
+}
+
+}  // namespace talus

@@ -1,0 +1,31 @@
+#pragma once
+/// What is known of a run when it has ended.
+
+#include <string>
+#include <vector>
+
+#include "talus/input/read.hpp"
+#include "talus/mpm/simulation.hpp"
+#include "talus/output/outline.hpp"
+
+namespace talus {
+
+struct RunSummary {
+  std::string case_file;
+  std::string case_text;  ///< the file as it was read
+  std::vector<Understood> understood;
+  Ledger ledger;
+  StepTally tally;
+  Outline start, end;
+  double wall_seconds = 0, cpu_seconds = 0;
+  long n_particles = 0;
+  std::size_t bytes = 0;
+  int n_threads = 1;
+  int n_snapshots = 0;
+  std::string failure;             ///< reason the run failed; empty if it did not
+  bool stopped = false;            ///< by the user, before its end
+  std::vector<double> resumed_at;  ///< times from which it was resumed [s]
+  std::vector<std::string> warnings;
+};
+
+}  // namespace talus
