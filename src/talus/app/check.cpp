@@ -69,7 +69,7 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
   Observation seen;
   times.snapshot = mean_time([&] {
     seen = simulation.observe();
-    write_snapshot(folder / "particles.hdf", seen, what.output.fields);
+    write_snapshot(folder / "particles.hdf", seen, *what.output.fields);
   });
   history.add(simulation.ledger(), outlines.find(simulation.places()));  // a curve has two points at least
   PictureBook pictures(folder / "pictures", what);
@@ -79,7 +79,7 @@ OutputTimes try_output(const Case& what, Simulation& simulation) {
     pictures.draw();
     return clock.seconds();
   };
-  if (const std::size_t n = what.output.pictures.size(); n > 0) {  // the first instant brings gnuplot's start with it
+  if (const std::size_t n = what.output.pictures->size(); n > 0) {  // the first instant brings gnuplot's start with it
     const double one = draw_one_more(), two = draw_one_more();
     times.end = one + std::max(0.0, two - one) * double(n - 1);
   }
@@ -138,8 +138,8 @@ int check_case(const std::string& case_file, int threads) {
     }
   }
   const auto instants = [&](double interval) { return std::min(steps, what.end / interval) + 1; };
-  const double expected = steps * per_step + instants(what.output.history) * output.row +
-                          instants(what.output.snapshots) * output.snapshot + output.end;
+  const double expected = steps * per_step + instants(*what.output.history) * output.row +
+                          instants(*what.output.snapshots) * output.snapshot + output.end;
   fmt::print(
       "  expected steps      {}\n  memory              {:.3g} MB\n  speed here          {:.3g} M "
       "particle-steps/s on {} thread{}\n  expected duration   {}\n",

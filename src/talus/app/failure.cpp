@@ -63,8 +63,8 @@ std::string leave_a_reproducer(const Task& task, const Case& what, Loop& loop, i
   so_far.end = what.end;
   so_far.time = at.time;
   so_far.step = at.step;
-  so_far.next_snapshot.interval = all_the_way ? 1e-3 * at.dt : what.output.snapshots;
-  so_far.next_row.interval = all_the_way ? 1e-3 * at.dt : what.output.history;
+  so_far.next_snapshot.interval = all_the_way ? 1e-3 * at.dt : *what.output.snapshots;
+  so_far.next_row.interval = all_the_way ? 1e-3 * at.dt : *what.output.history;
   fs::remove_all(folder);
   fs::create_directories(folder);
   write_whole(folder / "case.toml", task.case_text);

@@ -25,7 +25,7 @@ int run_case(const RunOptions& options) {
   Task task = understand(options);
   Case& what = task.input.what;
   what.end = end_of(task, options);
-  std::erase_if(what.output.pictures, [&](double t) { return t > what.end; });
+  std::erase_if(*what.output.pictures, [&](double t) { return t > what.end; });
 
   expect_memory_for(what);
   const auto loop = make_openmp(options.threads);
@@ -51,8 +51,8 @@ int run_case(const RunOptions& options) {
     take_over(task, options);
     so_far.case_file = task.case_file;
     so_far.case_text = task.case_text;
-    so_far.next_snapshot.interval = what.output.snapshots;
-    so_far.next_row.interval = what.output.history;
+    so_far.next_snapshot.interval = *what.output.snapshots;
+    so_far.next_row.interval = *what.output.history;
   }
   so_far.end = what.end;
   const fs::path& folder = task.folder;
@@ -61,9 +61,9 @@ int run_case(const RunOptions& options) {
   if (!task.saved) checkpoints.write(so_far, *simulation);  // so there is one as soon as there are results
   History history(folder / "history.csv", what, so_far.history_bytes);
   SurfaceTable surfaces(folder / "surface.csv", what.dim, what.axisymmetric, so_far.surface_bytes);
-  SnapshotSeries snapshots(folder, what.output.fields, so_far.snapshots);
+  SnapshotSeries snapshots(folder, *what.output.fields, so_far.snapshots);
   PictureBook pictures(folder / "pictures", what, so_far.instants);
-  std::vector<double> picture_times = what.output.pictures;
+  std::vector<double> picture_times = *what.output.pictures;
   std::sort(picture_times.begin(), picture_times.end());
   std::erase_if(picture_times, [&](double t) { return !so_far.instants.empty() && t <= so_far.instants.back(); });
 
@@ -136,7 +136,7 @@ int run_case(const RunOptions& options) {
   } catch (const RunError& e) {
     failure = Failure{e.what(), simulation->ledger().step, simulation->ledger().time, e.particle()};
     snapshots.finish();
-    write_snapshot(folder / "failure.hdf", simulation->observe(), what.output.fields);
+    write_snapshot(folder / "failure.hdf", simulation->observe(), *what.output.fields);
     run.failure =
         fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
                     e.what(), snapshots.last().string(), (folder / "failure.hdf").string(), checkpoints.last());

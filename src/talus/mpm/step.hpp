@@ -17,6 +17,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/case/defaults.hpp"
 #include "talus/mpm/affine_filter.hpp"
 #include "talus/mpm/contact.hpp"
 #include "talus/mpm/inspect.hpp"
@@ -68,7 +69,8 @@ class Stepper final : public Simulation {
     const double dt = next.dt;
     const double alpha = share_kept(dt);
     for (int a = 0; a < Dim; ++a) ledger_.gravity_impulse[a] += dt * ledger_.mass * gravity_[a];
-    const bool filters = numerics_.transfer == Transfer::affine_tau && unfiltered_ >= numerics_.tau / filters_per_tau;
+    const bool filters =
+        numerics_.transfer == Transfer::affine_tau && unfiltered_ >= numerics_.tau.value_or(0) / filters_per_tau;
     if (filters) filter_velocities();
     const TileSums nodes = find_node_velocities(alpha, filters);
     ledger_.numerical += ledger_.kinetic - nodes.held_kinetic + nodes.wall_work;
@@ -161,8 +163,8 @@ class Stepper final : public Simulation {
     throw RunError(text + "\n" + talus::describe(*at, particle), long(at->particles.id()[particle]));
   }
   StepBounds bounds() const {
-    return {domain_.h, numerics_.cfl, wave_speed_,
-            fastest(), viscosity_,    std::sqrt(dot(gravity_, gravity_)) + load_acceleration_,
+    return {domain_.h, cfl_of(numerics_), wave_speed_,
+            fastest(), viscosity_,        std::sqrt(dot(gravity_, gravity_)) + load_acceleration_,
             last_dt_,  contacts_};
   }
   /// The largest speed of a particle or of a solid.
@@ -176,7 +178,7 @@ class Stepper final : public Simulation {
   double share_kept(double dt) const {
     if (is_affine(numerics_.transfer)) return 0;
     if (numerics_.transfer == Transfer::affine_tau) return 1;
-    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau) : numerics_.flip_share;
+    return numerics_.transfer == Transfer::flip_tau ? std::exp(-dt / numerics_.tau.value_or(0)) : numerics_.flip_share;
   }
 
   // ---- the step, a verb a function --------------------------------------------------------------------------------
@@ -207,7 +209,7 @@ class Stepper final : public Simulation {
   /// Takes from the particles' velocities what has decayed since the last time of what is not locally affine: v_p -= (1 -
   /// exp(-t/tau)) (v - F v)_p (affine_filter.hpp).
   void filter_velocities() {
-    const double share = -std::expm1(-unfiltered_ / numerics_.tau), kinetic = ledger_.kinetic;
+    const double share = -std::expm1(-unfiltered_ / numerics_.tau.value_or(0)), kinetic = ledger_.kinetic;
     unfiltered_ = 0;
     if (contact_finder_.any()) find_node_velocities(1);  // it says which contacts hold
     filter_.gather_moments(bodies_, grid_, *boundary_, loop_);

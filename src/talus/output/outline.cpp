@@ -201,7 +201,7 @@ OutlineFinder::OutlineFinder(const Case& what, const ParticlePlaces& start)
     : dim_(what.dim),
       cell_(what.cell),
       floor_(what.domain.min[what.dim - 1]),
-      level_(what.output.front_thickness),
+      level_(what.output.front_thickness.value_or(0)),
       axisymmetric_(what.axisymmetric),
       domain_(what.domain),
       n_cells_(what.n_cells),

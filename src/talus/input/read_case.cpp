@@ -1,0 +1,51 @@
+#include <filesystem>
+
+#include "talus/case/keys.hpp"
+#include "talus/case/resolve.hpp"
+#include "talus/input/sections.hpp"
+#include "talus/mpm/start/check_start.hpp"
+
+namespace talus {
+
+Case understand_case(Document& document, const std::string& folder) {
+  Case case_;
+  Section root = Section::root(document);
+  case_.title = root.text("title", "what the case is, in one line");
+  Section numerics = root.has("numerics") ? root.section("numerics", "how the equations are solved")
+                                          : Section::empty(root, "numerics");
+  read_materials(root, numerics.is_text("preset", "paper") ? Preset::paper : Preset::standard, case_);
+  read_domain(root, case_);
+  read_bodies(root, case_, folder);
+  read_loads(root, case_);
+  read_solids(root, case_, folder);
+  read_numerics(numerics, case_);
+  const bool is_right_so_far = document.is_right();
+  Section run = root.section("run", "how long");
+  case_.end = run.number(keys::end);
+  run.close("[run]");
+  read_output(root, case_);
+  root.close("a case");
+  const Resolved resolved = resolve_read(std::move(case_));
+  for (const Mistake& m : resolved.mistakes) root.complain(m);
+  if (is_right_so_far && resolved.mistakes.empty())
+    for (const Mistake& m : check_complete(resolved.case_)) root.complain(m);
+  if (document.is_right())
+    for (const Mistake& m : check_start(resolved.case_)) root.complain(m);
+  return resolved.case_;
+}
+
+CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder) {
+  Document document(name, text);
+  Case case_ = understand_case(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
+  document.finish();
+  return {std::move(case_), std::move(document.understood())};
+}
+
+CaseFile read_case(const std::string& path) {
+  Document document(path);
+  Case case_ = understand_case(document, std::filesystem::path(path).parent_path().string());
+  document.finish();
+  return {std::move(case_), std::move(document.understood())};
+}
+
+}  // namespace talus
