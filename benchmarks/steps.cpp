@@ -23,6 +23,7 @@
 
 #include "talus/backend/backend.hpp"
 #include "talus/base/machine.hpp"
+#include "talus/case/defaults.hpp"
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/snapshot.hpp"
@@ -281,7 +282,7 @@ void run_with_snapshots(const Benchmark& benchmark) {
   measure(*simulation, loop, benchmark.first_steps);
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("talus_steps_{}", ::getpid());
   std::filesystem::create_directories(folder);
-  SnapshotSeries snapshots(folder, {std::begin(usual_fields), std::end(usual_fields)});
+  SnapshotSeries snapshots(folder, default_fields(benchmark.what));
 
   fmt::print("\n{}, with a snapshot every {} steps beside none:\n", benchmark.name, every);
   for (int threads : {1, 2}) {

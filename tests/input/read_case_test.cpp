@@ -55,7 +55,7 @@ TEST(ReadCase, UnderstandsTheSlump) {
   EXPECT_NEAR(c.walls[2].friction, 0.4036, 5e-5);
   EXPECT_TRUE(c.walls[2].separates);
   EXPECT_EQ(c.walls[0], WallKind::open);
-  EXPECT_DOUBLE_EQ(c.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
+  EXPECT_DOUBLE_EQ(*c.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
   const Granular& law = std::get<Granular>(c.materials.at(0).law);
   EXPECT_DOUBLE_EQ(law.frictional.tan_phi_c, std::tan(20.9 * std::numbers::pi / 180));
   EXPECT_DOUBLE_EQ(law.collisional.d, 1e-3);

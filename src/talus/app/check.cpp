@@ -72,7 +72,7 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
   Observation seen;
   times.snapshot = mean_time([&] {
     seen = simulation.observe();
-    write_snapshot(folder / "particles.hdf", seen, case_.output.fields);
+    write_snapshot(folder / "particles.hdf", seen, *case_.output.fields);
   });
   history.add(simulation.ledger(), outlines.find(simulation.places()));  // a curve has two points at least
   PictureBook pictures(folder / "pictures", case_);
@@ -82,7 +82,7 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
     pictures.draw();
     return clock.seconds();
   };
-  if (const std::size_t n = case_.output.pictures.size(); n > 0) {  // the first instant brings gnuplot's start with it
+  if (const std::size_t n = case_.output.pictures->size(); n > 0) {  // the first instant brings gnuplot's start with it
     const double one = draw_one_more(), two = draw_one_more();
     times.end = one + std::max(0.0, two - one) * double(n - 1);
   }
@@ -158,8 +158,8 @@ int check_case(const std::string& case_file, int threads) {
     steps = expect_steps(case_, *loop, first_dt, per_step);
   }
   const auto instants = [&](double interval) { return std::min(steps.n, case_.end / interval) + 1; };
-  const double duration = steps.n * per_step + instants(case_.output.history) * output.row +
-                          instants(case_.output.snapshots) * output.snapshot + output.end;
+  const double duration = steps.n * per_step + instants(*case_.output.history) * output.row +
+                          instants(*case_.output.snapshots) * output.snapshot + output.end;
   fmt::print(
       "  expected steps      {}\n  memory              {:.3g} MB\n  speed here          {:.3g} M "
       "particle-steps/s on {} thread{}\n  expected duration   {}\n",

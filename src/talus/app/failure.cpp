@@ -56,8 +56,8 @@ void write_run(const fs::path& folder, const Task& task, const Case& case_, cons
   so_far.end = case_.end;
   so_far.time = at.time;
   so_far.step = at.step;
-  so_far.next_snapshot.interval = every_step ? 1e-3 * at.dt : case_.output.snapshots;
-  so_far.next_row.interval = every_step ? 1e-3 * at.dt : case_.output.history;
+  so_far.next_snapshot.interval = every_step ? 1e-3 * at.dt : *case_.output.snapshots;
+  so_far.next_row.interval = every_step ? 1e-3 * at.dt : *case_.output.history;
   fs::remove_all(folder);
   fs::create_directories(folder);
   write_whole(folder / "case.toml", task.case_text);

@@ -94,7 +94,7 @@ Task Run::read_task_to_end(const RunOptions& options) {
   Task task = read_task(options);
   Case& case_ = task.input.what;
   case_.end = end_of(task, options);
-  std::erase_if(case_.output.pictures, [&](double t) { return t > case_.end; });
+  std::erase_if(*case_.output.pictures, [&](double t) { return t > case_.end; });
   expect_memory_for(case_);
   return task;
 }
@@ -124,8 +124,8 @@ RunSoFar Run::restore_or_claim_folder() {
     claim_folder(task_, options_);
     so_far.case_file = task_.case_file;
     so_far.case_text = task_.case_text;
-    so_far.next_snapshot.interval = case_.output.snapshots;
-    so_far.next_row.interval = case_.output.history;
+    so_far.next_snapshot.interval = *case_.output.snapshots;
+    so_far.next_row.interval = *case_.output.history;
   }
   so_far.end = case_.end;
   return so_far;
@@ -165,7 +165,7 @@ void Run::record_failure(const RunError& e) {
   failure_ = Failure{e.what(), simulation_->ledger().step, simulation_->ledger().time, e.particle()};
   recorder_.snapshots().finish();
   const fs::path snapshot = task_.folder / "failure.hdf";
-  write_snapshot(snapshot, simulation_->observe(), case_.output.fields);
+  write_snapshot(snapshot, simulation_->observe(), *case_.output.fields);
   summary_.failure =
       fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
                   e.what(), recorder_.snapshots().last().string(), snapshot.string(), recorder_.last_checkpoint());

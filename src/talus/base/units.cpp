@@ -131,4 +131,15 @@ std::string example_of(std::string_view unit) {
   return fmt::format("\"1 {}\"", unit);
 }
 
+std::string in_words(const Range& range, std::string_view unit) {
+  const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
+  const std::string a = with_unit(range.low, unit), b = with_unit(range.high, unit);
+  if (low && high && !range.open_low && !range.open_high) return fmt::format("between {} and {}", a, b);
+  std::string text;
+  if (low) text = fmt::format("{} {}", range.open_low ? "greater than" : "at least", a);
+  if (low && high) text += " and ";
+  if (high) text += fmt::format("{} {}", range.open_high ? "less than" : "at most", b);
+  return text.empty() ? "any number" : text;
+}
+
 }  // namespace talus

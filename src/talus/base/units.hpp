@@ -5,6 +5,8 @@
 #include <string_view>
 #include <variant>
 
+#include "talus/base/parameter.hpp"
+
 namespace talus {
 
 /// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence why it has
@@ -16,6 +18,9 @@ std::string what_is_measured_in(std::string_view unit);
 
 /// A value in SI, written shortly with its unit; bare for the unit "1".
 std::string with_unit(double value, std::string_view unit);
+
+/// A range in words: "greater than 0", "between 0 and 1".
+std::string in_words(const Range& range, std::string_view unit);
 
 /// A unit of length.
 struct LengthUnit {

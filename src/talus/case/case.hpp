@@ -1,8 +1,12 @@
 #pragma once
 /// What the user asks for: a run, as plain data in SI units.
+///
+/// A member that is std::optional and says "by default" follows from the rest of the case where the user gives none:
+/// `resolve` fills it in (case/resolve.hpp), and the solver and the output find it filled.
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string>
@@ -72,15 +76,13 @@ inline constexpr Quantity common_quantities[] = {
     {"shear_rate", "1/s", 1, "|g| = sqrt(D:D/2) of the strain rate's deviator D"},
     {"spin", "kg m2/s", 3, "angular momentum about the particle's own place; only with transfer apic"},
 };
-/// What snapshots hold if the user does not say otherwise; where particles may leave, `id` too.
-inline constexpr std::string_view usual_fields[] = {
-    "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
-    "kappa",    "I",    "viscosity",         "separated"};
-
 struct Material {
   std::string name;
   AnyLaw law;
   double density = 0;  ///< bulk density [kg/m3]; for granular materials it follows from rho_s and the void ratio
+
+  /// Whether names, densities and the parameters and options of the laws are the same.
+  bool operator==(const Material& other) const;
 };
 
 struct BodySpec {
@@ -96,6 +98,8 @@ struct BodySpec {
   int seed = 1;        ///< of the scatter
   Vec<3> velocity{};   ///< of the middle of its mass [m/s]
   Vec<3> angular_velocity{};  ///< about the middle of its mass [rad/s]; in 2D its third component, positive from x to y
+
+  bool operator==(const BodySpec&) const = default;
 };
 
 inline constexpr Choice side_choices[] = {
@@ -114,33 +118,47 @@ struct SurfaceLoad {
 
   /// Force per area at an instant [Pa].
   Vec<3> at(double time) const { return factor.empty() ? traction : factor.at(time) * traction; }
+  bool operator==(const SurfaceLoad&) const = default;
 };
 
+/// The traction of a pressure on a side [Pa], straight into the body.
+inline Vec<3> traction_of_pressure(int side, double pressure) {
+  Vec<3> traction{};
+  traction[side / 2] = (side % 2 == 0 ? 1 : -1) * pressure;
+  return traction;
+}
+
+/// The defaults here are those of the preset `standard`; `numerics_of` in case/defaults.hpp has those of the others.
 struct Numerics {
-  Preset preset = Preset::standard;  ///< what the defaults of the rest were
+  Preset preset = Preset::standard;  ///< where the defaults of the rest come from
   ShapeFunction shape_function = ShapeFunction::quadratic;
   Transfer transfer = Transfer::affine_tau;
-  double tau = 0;         ///< [s]
-  double flip_share = 1;  ///< of `flip`
+  std::optional<double> tau;  ///< [s], of transfers that have one (`has_tau`); by default from the height of the bodies
+  double flip_share = 1;      ///< of `flip`
   Order order = Order::usf;
   bool average_pressure = true;
   bool particle_shifting = true;
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
-  Integration integration;
-  double cfl = 0.65;
+  Integration integration{Integrator::return_mapping, 1e-3};
+  std::optional<double>
+      cfl;  ///< share of a cell that waves and particles cross in a step; by default that of the shape
   /// Multiplies the elastic stiffness of every material: softer ground lets the steps be longer.
   double stiffness_factor = 1;
   std::optional<double> dt;  ///< fixed step [s]; without it the step adapts
+
+  bool operator==(const Numerics&) const = default;
 };
 
 struct OutputSpec {
-  double snapshots = 0;               ///< interval [s]
-  double history = 0;                 ///< interval [s]
-  double front_thickness = 0;         ///< of the material where its deposit ends, which is where fronts are [m]
-  std::vector<double> pictures;       ///< instants [s]
-  std::vector<std::string> fields;    ///< quantities in snapshots
-  std::optional<double> checkpoints;  ///< interval of simulated time [s]
-  double checkpoint_wall = 600;       ///< interval on the clock [s]
+  std::optional<double> snapshots;                 ///< interval [s]; by default a share of the run
+  std::optional<double> history;                   ///< interval [s]; by default a share of the run
+  std::optional<double> front_thickness;           ///< that defines the edge of the deposit [m]; by default a grain
+  std::optional<std::vector<double>> pictures;     ///< instants [s]; by default from the start to the end
+  std::optional<std::vector<std::string>> fields;  ///< quantities in snapshots; by default those that the laws have
+  std::optional<double> checkpoints;               ///< interval of simulated time [s]; without it, by the clock alone
+  double checkpoint_wall = 600;                    ///< interval on the clock [s]
+
+  bool operator==(const OutputSpec&) const = default;
 };
 
 inline std::string_view word_of(Transfer transfer) { return transfer_choices[int(transfer)].word; }
@@ -163,8 +181,8 @@ struct Case {
   bool axisymmetric =
       false;  ///< with 2: x is the radius, nothing varies around the axis; all extensive things per radian
   Box domain{};
-  double cell = 0;  ///< size of the grid's cells [m]
-  Index<3> n_cells{};
+  double cell = 0;     ///< size of the grid's cells [m]
+  Index<3> n_cells{};  ///< `resolve` counts them
   Vec<3> gravity{};
   std::array<Wall, 6> walls{};  ///< low and high side of x, of y, of z
   std::vector<Solid> solids;
@@ -174,18 +192,36 @@ struct Case {
   Numerics numerics;
   double end = 0;  ///< [s]
   OutputSpec output;
+
+  bool operator==(const Case&) const = default;
 };
 
 /// Whether particles may leave.
-inline bool has_outflow(const Case& what) {
-  return std::any_of(what.walls.begin(), what.walls.end(),
+inline bool has_outflow(const Case& case_) {
+  return std::any_of(case_.walls.begin(), case_.walls.end(),
                      [](const Wall& wall) { return wall.kind == WallKind::outflow; });
 }
 
+/// The part of space that planes of symmetry leave of the domain's surroundings: unbounded where there is none.
+inline Box kept_by_symmetry(const Case& case_) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Box kept{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
+  for (int a = 0; a < case_.dim; ++a) {
+    if (case_.walls[2 * a].kind == WallKind::symmetry) kept.min[a] = case_.domain.min[a];
+    if (case_.walls[2 * a + 1].kind == WallKind::symmetry) kept.max[a] = case_.domain.max[a];
+  }
+  return kept;
+}
+
+/// The width of a particle of a body at the start [m]; that of a listed point follows from its volume.
+inline double width_at_start(const BodySpec& body, double volume, int dim) {
+  return body.spacing > 0 ? body.spacing : std::pow(volume, 1.0 / dim);
+}
+
 /// The longest side of the domain [m].
-inline double extent(const Case& what) {
+inline double extent(const Case& case_) {
   double most = 0;
-  for (int a = 0; a < what.dim; ++a) most = std::max(most, what.domain.max[a] - what.domain.min[a]);
+  for (int a = 0; a < case_.dim; ++a) most = std::max(most, case_.domain.max[a] - case_.domain.min[a]);
   return most;
 }
 

@@ -6,9 +6,11 @@
 
 #include <array>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "talus/case/mistake.hpp"
 #include "talus/law/registry.hpp"
 
 namespace talus {
@@ -57,5 +59,52 @@ struct ElementTest {
   double tolerance = 1e-6;  ///< relative error of the stress that a step of the driver may make
   std::vector<Segment> segments;
 };
+
+/// What is wrong with a test whose values are right one by one: more rows than can be, a start that the law cannot carry.
+std::vector<Mistake> check_rows(const ElementTest& test);
+std::vector<Mistake> check_start(const ElementTest& test);
+
+// ---- conditions on single components -----------------------------------------------------------------------------
+
+inline constexpr const char* component_names[] = {"xx", "yy", "zz", "xy", "yz", "zx"};
+
+Control strain_control(int component, double rate, double acceleration = 0);
+Control held_stress(int component);
+Control stress_to(int component, double target);
+
+// ---- named tests -------------------------------------------------------------------------------------------------
+
+using Controls = std::array<Control, 6>;
+
+/// How the leading strain of a named test runs: a rate and its growth.
+struct Course {
+  double rate = 0, acceleration = 0;
+};
+
+/// No strain changes.
+Controls no_strain();
+
+/// Equal strains along all axes, or equal stresses that go to a pressure.
+Controls isotropic_compression(Course volumetric_strain);
+Controls isotropic_compression_to(double pressure);
+
+/// Strain along one axis only.
+Controls oedometer(int axis, Course axial_strain);
+Controls oedometer_to(int axis, double axial_stress);
+
+/// Strain along one axis; on the sides the volume, the lateral stress or the mean stress is held.
+enum class TriaxialDrainage { undrained, drained, constant_p };
+Controls triaxial(TriaxialDrainage drainage, int axis, Course axial_strain);
+Controls triaxial_to(TriaxialDrainage drainage, int axis, double axial_stress);
+
+/// One shear strain, 0: xy, 1: yz, 2: zx; the volume or the stress normal to the plane of shear is held.
+enum class ShearDrainage { undrained, constant_normal_stress };
+Controls simple_shear(ShearDrainage drainage, int plane, Course shear_strain);
+Controls simple_shear_to(ShearDrainage drainage, int plane, double shear_stress);
+
+/// The segment once for every way between turning points of its leading strain, at an even speed; ways of no length are
+/// left out. `controls_at` has the controls for a rate of that strain.
+std::vector<Segment> between_turning_points(const Segment& segment, const std::vector<double>& turning_points,
+                                            const std::function<Controls(Course)>& controls_at);
 
 }  // namespace talus

@@ -12,6 +12,8 @@ namespace talus {
 /// All points between two corners.
 struct Box {
   Vec<3> min, max;
+
+  bool operator==(const Box&) const = default;
 };
 
 /// An upright circular cylinder on its base's centre, along the last axis; in plane strain a disk around its centre,
@@ -20,6 +22,8 @@ struct Cylinder {
   Vec<3> centre;
   double radius;
   double height;  ///< not used in plane strain
+
+  bool operator==(const Cylinder&) const = default;
 };
 
 /// A polygon in the vertical plane of the first and last axis, its corners in either sense. In 3D it reaches from
@@ -27,6 +31,8 @@ struct Cylinder {
 struct Polygon {
   std::vector<Vec<2>> corners;
   double from, to;
+
+  bool operator==(const Polygon&) const = default;
 };
 
 /// The dark pixels of a picture, in plane strain.
@@ -40,12 +46,15 @@ struct Raster {
     return column >= 0 && column < width && row_from_top >= 0 && row_from_top < height &&
            filled[std::size_t(row_from_top) * std::size_t(width) + std::size_t(column)];
   }
+  bool operator==(const Raster&) const = default;
 };
 
 /// Points that are particles already, each with its volume [m3]; in plane strain area times a metre.
 struct PointList {
   std::vector<Vec<3>> places;
   std::vector<double> volumes;
+
+  bool operator==(const PointList&) const = default;
 };
 
 using Region = std::variant<Box, Cylinder, Polygon, Raster, PointList>;
@@ -68,7 +77,7 @@ double volume_per_radian(const Region& region);
 /// have no shape: zero.
 double length_above(const Region& region, const Vec<3>& x, int dim);
 
-/// Why a shape is none, or nothing.
+/// Reason the shape is invalid; empty if valid.
 std::string fault(const Region& region, int dim);
 
 }  // namespace talus

@@ -6,6 +6,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/case/case.hpp"
+#include "talus/case/estimate.hpp"
 #include "talus/case/loading.hpp"
 
 namespace talus {
@@ -40,11 +41,5 @@ class Document;
 /// The same from a document, in which mistakes stay.
 Case understand_case(Document& document, const std::string& folder);
 ElementTest understand_element_test(Document& document, const std::string& folder);
-
-/// About how many particles a case will have.
-double estimated_particles(const Case& what);
-
-/// About how much memory these take while it runs, and while a snapshot is made of them [bytes].
-double estimated_bytes(const Case& what);
 
 }  // namespace talus

@@ -12,6 +12,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/parameter.hpp"
+#include "talus/case/mistake.hpp"
 #include "talus/input/read.hpp"
 #include "talus/math/vec.hpp"
 
@@ -83,14 +84,15 @@ class Section {
   double number(const Parameter& p, double by_default, std::string_view reason = "");
   std::optional<double> optional_number(const Parameter& p);
   bool flag(std::string_view key, bool by_default, std::string_view meaning);
-  int whole_number(std::string_view key, int low, int high, int by_default, std::string_view meaning);
+  int whole_number(const Parameter& p, int by_default);
+  int whole_number(std::string_view key, int low, int high, int by_default, std::string_view meaning) {
+    return whole_number({key, "1", Range::between(low, high), meaning}, by_default);
+  }
 
   std::string text(std::string_view key, std::string_view meaning);
   std::string text(std::string_view key, std::string_view meaning, std::string_view by_default);
-  /// Makes a word the default of a choice in place of the first.
-  void prefer(std::string_view key, std::string_view word) { preferred_.insert_or_assign(std::string(key), word); }
-  /// The number of the word chosen; the first choice is the default, unless another was preferred.
-  int choice(const Option& option);
+  /// The number of the word chosen.
+  int choice(const Option& option, int by_default = 0);
   int required_choice(const Option& option);
 
   /// A list of numbers with units; `n` of them unless n is 0.
@@ -129,6 +131,8 @@ class Section {
   /// Complains about a key that was read, or about the section.
   void complain(std::string_view key, std::string_view text);
   void complain(std::string_view text);
+  /// Complains about what a path from this section leads to; where a part of the path is missing, about the rest.
+  void complain(const Mistake& mistake);
   /// Notes something that follows from the input but was not read.
   void note(std::string_view key, std::string value, std::string_view meaning);
 
@@ -153,12 +157,8 @@ class Section {
   Document* document_;
   const toml::table* table_;
   std::string path_;
-  std::map<std::string, std::string, std::less<>> preferred_;
   bool absent_ = false;                                    ///< stands in for a section that is missing
   std::map<std::string, std::string, std::less<>> known_;  ///< keys that were asked for, and their meaning
 };
-
-/// A range in words: "greater than 0", "between 0 and 1".
-std::string in_words(const Range& range, std::string_view unit);
 
 }  // namespace talus

@@ -75,6 +75,8 @@ inline constexpr Choice integrator_choices[] = {
 struct Integration {
   Integrator scheme = Integrator::return_mapping;
   double tolerance = 1e-6;  ///< relative error of the stress a substep may make (modified_euler)
+
+  bool operator==(const Integration&) const = default;
 };
 
 /// What a point is like before anything happens to it.

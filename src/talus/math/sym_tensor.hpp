@@ -40,6 +40,7 @@ struct SymTensor {
     return {s * a.xx, s * a.yy, s * a.zz, s * a.xy, s * a.yz, s * a.zx};
   }
   TALUS_HD friend SymTensor operator-(const SymTensor& a) { return {-a.xx, -a.yy, -a.zz, -a.xy, -a.yz, -a.zx}; }
+  bool operator==(const SymTensor&) const = default;
 };
 
 template <class R>

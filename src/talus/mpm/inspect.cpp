@@ -75,7 +75,8 @@ void gather(Backend& backend, Observation& seen) {
     const std::size_t n = std::size_t(f.components);
     Message mine;
     for (std::size_t id : ids)
-      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(id * n), f.values.begin() + std::ptrdiff_t((id + 1) * n));
+      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(id * n),
+                  f.values.begin() + std::ptrdiff_t((id + 1) * n));
     const std::vector<Message> all = backend.gather(mine);
     for (std::size_t o = 0; o < all.size(); ++o)
       for (std::size_t i = 0; i < all_ids[o].size(); ++i)

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "talus/case/defaults.hpp"
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/contact_finder.hpp"
 #include "talus/mpm/data/body.hpp"
@@ -19,11 +20,14 @@
 
 namespace talus {
 
+/// The decay time of what the grid cannot hold [s]; 0, at once, of a case that gives none.
+inline double tau_of(const Numerics& n) { return n.tau.value_or(0); }
+
 /// The share of its own velocity that a particle keeps in a step.
 inline double share_kept(const Numerics& n, double dt) {
   if (is_affine(n.transfer)) return 0;
   if (n.transfer == Transfer::affine_tau) return 1;
-  return n.transfer == Transfer::flip_tau ? std::exp(-dt / n.tau) : n.flip_share;
+  return n.transfer == Transfer::flip_tau ? std::exp(-dt / tau_of(n)) : n.flip_share;
 }
 
 /// What a stage needs to know of the step that it is part of.

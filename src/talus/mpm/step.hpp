@@ -96,10 +96,10 @@ class Stepper final : public Simulation {
 
   bool is_filter_due() const {
     return model_.numerics.transfer == Transfer::affine_tau &&
-           carried_.unfiltered >= model_.numerics.tau / filters_per_tau;
+           carried_.unfiltered >= tau_of(model_.numerics) / filters_per_tau;
   }
   void filter() {
-    const double share = -std::expm1(-carried_.unfiltered / model_.numerics.tau);
+    const double share = -std::expm1(-carried_.unfiltered / tau_of(model_.numerics));
     carried_.unfiltered = 0;
     const FilterCost cost = filter_.apply(model_, between_steps(), share);
     ledger_.add_filter(cost.contacts, cost.particles);
@@ -164,9 +164,10 @@ class Stepper final : public Simulation {
   }
   StepBounds bounds() const {
     const Vec<Dim>& g = model_.gravity;
-    return {model_.domain.h,    model_.numerics.cfl, carried_.wave_speed,
-            largest_speed(),    carried_.viscosity,  std::sqrt(dot(g, g)) + load_acceleration_,
-            carried_.last_dt,   stiffenings_};
+    return {model_.domain.h,     cfl_of(model_.numerics),
+            carried_.wave_speed, largest_speed(),
+            carried_.viscosity,  std::sqrt(dot(g, g)) + load_acceleration_,
+            carried_.last_dt,    stiffenings_};
   }
   /// Of a particle or of a solid [m/s].
   double largest_speed() const {
@@ -178,8 +179,7 @@ class Stepper final : public Simulation {
   void find_bounds_at_start() {
     for (const auto& body : model_.bodies) {
       if (const auto stiffening = contact_stiffening<Dim>(body)) stiffenings_.push_back(*stiffening);
-      carried_.wave_speed =
-          std::max(carried_.wave_speed, fastest_wave<Dim>(body, model_.numerics.integration).speed);
+      carried_.wave_speed = std::max(carried_.wave_speed, fastest_wave<Dim>(body, model_.numerics.integration).speed);
       load_acceleration_ = std::max(load_acceleration_, largest_acceleration_by_loads<Dim>(body));
     }
   }

@@ -76,7 +76,7 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
     : dim_(case_.dim),
       cell_(case_.cell),
       floor_(case_.domain.min[case_.dim - 1]),
-      level_(case_.output.front_thickness),
+      level_(*case_.output.front_thickness),
       axisymmetric_(case_.axisymmetric),
       domain_(case_.domain),
       n_cells_(case_.n_cells),

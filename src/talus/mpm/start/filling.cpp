@@ -3,41 +3,30 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <random>
 
 namespace talus {
-
-Box kept_by_symmetry(const Case& what) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Box kept{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
-  for (int a = 0; a < what.dim; ++a) {
-    if (what.walls[2 * a].kind == WallKind::symmetry) kept.min[a] = what.domain.min[a];
-    if (what.walls[2 * a + 1].kind == WallKind::symmetry) kept.max[a] = what.domain.max[a];
-  }
-  return kept;
-}
 
 int lattice_planes(const BodySpec& body, const Box& box, int axis) {
   const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
   return int(std::floor((box.max[axis] - box.min[axis]) / body.spacing - offset + 1e-9)) + 1;
 }
 
-double lattice_places(const Case& what, const BodySpec& body) {
+double lattice_places(const Case& case_, const BodySpec& body) {
   if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
-  const Box box = bounding_box(body.region, what.dim);
+  const Box box = bounding_box(body.region, case_.dim);
   double n = 1;
-  for (int a = 0; a < what.dim; ++a) n *= std::max(1.0, (box.max[a] - box.min[a]) / body.spacing);
+  for (int a = 0; a < case_.dim; ++a) n *= std::max(1.0, (box.max[a] - box.min[a]) / body.spacing);
   return n;
 }
 
-Filling fill(const Case& what, const BodySpec& body) {
-  const Box kept = kept_by_symmetry(what);
-  const double close = 1e-9 * what.cell;
+Filling fill(const Case& case_, const BodySpec& body) {
+  const Box kept = kept_by_symmetry(case_);
+  const double close = 1e-9 * case_.cell;
   Filling filling;
   double sum = 0;
   const auto add = [&](Vec<3> x, double volume) {
-    for (int a = 0; a < what.dim; ++a) {
+    for (int a = 0; a < case_.dim; ++a) {
       if (x[a] < kept.min[a] - close || x[a] > kept.max[a] + close) return;
       const bool on_plane = x[a] <= kept.min[a] + close || x[a] >= kept.max[a] - close;
       if (on_plane) {
@@ -53,7 +42,7 @@ Filling fill(const Case& what, const BodySpec& body) {
     for (std::size_t i = 0; i < list->places.size(); ++i) add(list->places[i], list->volumes[i]);
     return filling;
   }
-  const Box box = bounding_box(body.region, what.dim);
+  const Box box = bounding_box(body.region, case_.dim);
   const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
   // A point that would leave the body, or cross a plane of symmetry, stays on its place. The engine's numbers are the
   // same everywhere, those of the standard's distributions are not.
@@ -61,38 +50,34 @@ Filling fill(const Case& what, const BodySpec& body) {
   const auto scattered = [&](const Vec<3>& place) {
     Vec<3> x = place;
     bool beyond = false;
-    for (int a = 0; a < what.dim; ++a) {
+    for (int a = 0; a < case_.dim; ++a) {
       const double from_minus_1_to_1 = double(random() >> 11) * 0x1p-52 - 1;
       x[a] += body.scatter * body.spacing * from_minus_1_to_1;
       for (const double plane : {kept.min[a], kept.max[a]}) beyond |= (x[a] - plane) * (place[a] - plane) <= 0;
     }
-    return beyond || !contains(body.region, x, what.dim) ? place : x;
+    return beyond || !contains(body.region, x, case_.dim) ? place : x;
   };
   Index<3> n{1, 1, 1};
-  for (int a = 0; a < what.dim; ++a) n[a] = lattice_planes(body, box, a);
+  for (int a = 0; a < case_.dim; ++a) n[a] = lattice_planes(body, box, a);
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i) {
         Vec<3> x{};
         const Index<3> at{i, j, k};
-        for (int a = 0; a < what.dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
-        if (!contains(body.region, x, what.dim)) continue;
+        for (int a = 0; a < case_.dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
+        if (!contains(body.region, x, case_.dim)) continue;
         if (body.scatter > 0) x = scattered(x);
-        add(x, what.axisymmetric ? x[0] : 1);
+        add(x, case_.axisymmetric ? x[0] : 1);
       }
   // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
   // proportion to their radius.
   bool cut = false;
-  for (const Wall& wall : what.walls) cut |= wall.kind == WallKind::symmetry;
-  const double whole = what.axisymmetric ? volume_per_radian(body.region)
-                       : cut             ? volume(body.region, what.dim, kept)
-                                         : volume(body.region, what.dim);
+  for (const Wall& wall : case_.walls) cut |= wall.kind == WallKind::symmetry;
+  const double whole = case_.axisymmetric ? volume_per_radian(body.region)
+                       : cut              ? volume(body.region, case_.dim, kept)
+                                          : volume(body.region, case_.dim);
   for (double& v : filling.volumes) v = whole * v / sum;
   return filling;
-}
-
-double width_at_start(const BodySpec& body, double volume, int dim) {
-  return body.spacing > 0 ? body.spacing : std::pow(volume, 1.0 / dim);
 }
 
 }  // namespace talus

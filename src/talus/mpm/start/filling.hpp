@@ -5,9 +5,7 @@
 
 namespace talus {
 
-/// The part of space that planes of symmetry leave of the domain's surroundings: unbounded where there is none.
-Box kept_by_symmetry(const Case& what);
-
+/// Particles of a body, and the volume of each.
 struct Filling {
   std::vector<Vec<3>> points;
   std::vector<double>
@@ -19,13 +17,10 @@ struct Filling {
 int lattice_planes(const BodySpec& body, const Box& box, int axis);
 
 /// Places of the lattice that `fill` looks at, or points that the body lists.
-double lattice_places(const Case& what, const BodySpec& body);
+double lattice_places(const Case& case_, const BodySpec& body);
 
 /// The points of a body: every place of the lattice that lies in the region, or the points it lists, on this side of
 /// planes of symmetry. A point on such a plane is half a particle here and half one behind it.
-Filling fill(const Case& what, const BodySpec& body);
-
-/// How wide a particle of a body is at the start [m], which a point of a list tells by its volume.
-double width_at_start(const BodySpec& body, double volume, int dim);
+Filling fill(const Case& case_, const BodySpec& body);
 
 }  // namespace talus

@@ -1,7 +1,5 @@
 #include "talus/mpm/start/overburden.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -21,9 +19,9 @@ double bulk_density(const Material& material, const BodySpec& body) {
       material.law);
 }
 
-Overburden::Overburden(const Case& what) : dim_(what.dim) {
-  for (const BodySpec& body : what.bodies) {
-    const double weight = -bulk_density(what.materials[body.material], body) * what.gravity[dim_ - 1];
+Overburden::Overburden(const Case& case_) : dim_(case_.dim) {
+  for (const BodySpec& body : case_.bodies) {
+    const double weight = -bulk_density(case_.materials[body.material], body) * case_.gravity[dim_ - 1];
     if (body.initial_stress != InitialStress::k0 || !(weight > 0)) continue;
     Layer layer{&body.region, weight, {}};
     if (const auto* list = std::get_if<PointList>(&body.region)) {
@@ -69,51 +67,39 @@ double Overburden::thickness(const PointList& list, const Columns& columns, cons
   return volume / std::pow(width, up);
 }
 
-InitialState initial_state(const Case& what, const BodySpec& body, double load) {
+InitialState initial_state(const Case& case_, const BodySpec& body, double load) {
   InitialState initial;
   initial.void_ratio = body.void_ratio.value_or(0);
   if (body.initial_stress == InitialStress::given) initial.stress = body.given_stress;
   if (body.initial_stress != InitialStress::k0) return initial;
   const double horizontal =
-      std::visit([](const auto& law) { return law.earth_pressure_at_rest(); }, what.materials[body.material].law) *
+      std::visit([](const auto& law) { return law.earth_pressure_at_rest(); }, case_.materials[body.material].law) *
       load;
-  const int up = what.dim - 1;
+  const int up = case_.dim - 1;
   initial.stress = {-horizontal, -horizontal, -horizontal, 0, 0, 0};
   initial.stress[up] = -load;
   for (int a = 0; a < up; ++a) {
-    const int shear = what.dim == 2 ? 3 : a == 0 ? 5 : 4;  // xy; zx and yz
-    initial.stress[shear] = load * what.gravity[a] / -what.gravity[up];
+    const int shear = case_.dim == 2 ? 3 : a == 0 ? 5 : 4;  // xy; zx and yz
+    initial.stress[shear] = load * case_.gravity[a] / -case_.gravity[up];
   }
   return initial;
 }
 
-std::variant<double, std::string> wave_speed_at_rest(const Case& what, const BodySpec& body, double load) {
-  const Material& material = what.materials[body.material];
-  const InitialState initial = initial_state(what, body, load);
-  const AnyLaw scaled = with_scaled_stiffness(material.law, what.numerics.stiffness_factor);
+std::variant<double, std::string> wave_speed_at_rest(const Case& case_, const BodySpec& body, double load) {
+  const Material& material = case_.materials[body.material];
+  const InitialState initial = initial_state(case_, body, load);
+  const AnyLaw scaled = with_scaled_stiffness(material.law, case_.numerics.stiffness_factor);
   return std::visit(
       [&]<class Law>(const Law& law) -> std::variant<double, std::string> {
         auto state = law.at_rest(initial);
         if (const auto* reason = std::get_if<std::string>(&state)) return *reason;
         const Motion<double> none{SymTensor<double>::zero(), SymTensor<double>::zero(), 1};
         const double stiffness =
-            law.update(std::get<typename Law::template State<double>>(state), none, what.numerics.integration)
+            law.update(std::get<typename Law::template State<double>>(state), none, case_.numerics.integration)
                 .stiffness;
         return std::sqrt(stiffness / bulk_density(material, body));
       },
       scaled);
-}
-
-std::string fault_of_void_ratio(const AnyLaw& law, double void_ratio) {
-  return std::visit(
-      [&](const auto& grains) -> std::string {
-        if constexpr (requires { grains.closest_packing(); })
-          if (1 / (1 + void_ratio) >= grains.closest_packing())
-            return fmt::format("is denser than random close packing: it must exceed 1/Phi_c - 1 = {:.4f} (Eq. 15)",
-                               1 / grains.closest_packing() - 1);
-        return "";
-      },
-      law);
 }
 
 }  // namespace talus

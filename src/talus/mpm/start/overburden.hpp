@@ -25,7 +25,7 @@ struct Load {
 /// whatever is between.
 class Overburden {
  public:
-  explicit Overburden(const Case& what);  // which must stay where it is
+  explicit Overburden(const Case& case_);  // which must stay where it is
 
   /// On a particle so wide [m]. Of bodies with a shape what the vertical line through it has of them, of listed points,
   /// which are cubes, the mean over its width.
@@ -54,12 +54,9 @@ class Overburden {
 
 /// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, the shear stress
 /// that holds a layer of even thickness.
-InitialState initial_state(const Case& what, const BodySpec& body, double load);
+InitialState initial_state(const Case& case_, const BodySpec& body, double load);
 
 /// Speed of compression waves there [m/s]; or why nothing can rest there.
-std::variant<double, std::string> wave_speed_at_rest(const Case& what, const BodySpec& body, double load);
-
-/// Why a law has no state of this void ratio, although it lies in its range; empty if it has one.
-std::string fault_of_void_ratio(const AnyLaw& law, double void_ratio);
+std::variant<double, std::string> wave_speed_at_rest(const Case& case_, const BodySpec& body, double load);
 
 }  // namespace talus

@@ -7,11 +7,11 @@
 
 namespace talus {
 
-std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, const Filling& particles) {
-  const BodySpec& body = what.bodies[load.body];
+std::vector<double> loaded_areas(const Case& case_, const SurfaceLoad& load, const Filling& particles) {
+  const BodySpec& body = case_.bodies[load.body];
   const int axis = load.side / 2;
   const double outwards = load.side % 2 == 0 ? -1 : 1, half = 0.5 * body.spacing;
-  const Box box = bounding_box(body.region, what.dim), kept = kept_by_symmetry(what);
+  const Box box = bounding_box(body.region, case_.dim), kept = kept_by_symmetry(case_);
   // The particles share the volume of the body: what each has of it along the axis may differ from the spacing.
   const double depth = (box.max[axis] - box.min[axis]) / lattice_planes(body, box, axis);
 
@@ -19,7 +19,7 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
   for (std::size_t i = 0; i < particles.points.size(); ++i) {
     const Vec<3>& x = particles.points[i];
     std::array<int, 3> row{};
-    for (int a = 0; a < what.dim; ++a)
+    for (int a = 0; a < case_.dim; ++a)
       if (a != axis) row[std::size_t(a)] = int(std::floor((x[a] - box.min[a]) / body.spacing));
     const auto [found, is_new] = outermost.try_emplace(row, i);
     if (!is_new && outwards * (x[axis] - particles.points[found->second][axis]) > 0) found->second = i;
@@ -30,9 +30,9 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
     const Vec<3>& x = particles.points[i];
     const double surface = x[axis] + outwards * half;
     double area = particles.volumes[i] / depth;
-    if (what.axisymmetric && axis == 0) area *= surface / x[0];  // volumes are per radian, at the particle's radius
+    if (case_.axisymmetric && axis == 0) area *= surface / x[0];  // volumes are per radian, at the particle's radius
     if (load.within)
-      for (int a = 0; a < what.dim; ++a) {
+      for (int a = 0; a < case_.dim; ++a) {
         const double low = load.within->min[a], high = load.within->max[a];
         if (a == axis) {
           area *= surface >= low - half && surface <= high + half;
@@ -42,7 +42,7 @@ std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, cons
         const double from = std::max(kept.min[a], box.min[a] + row[std::size_t(a)] * body.spacing),
                      to = std::min(kept.max[a], box.min[a] + (row[std::size_t(a)] + 1) * body.spacing);
         const auto size = [&](double x0, double x1) {
-          return x1 <= x0 ? 0 : what.axisymmetric && a == 0 ? x1 * x1 - x0 * x0 : x1 - x0;
+          return x1 <= x0 ? 0 : case_.axisymmetric && a == 0 ? x1 * x1 - x0 * x0 : x1 - x0;
         };
         area *= size(std::max(from, low), std::min(to, high)) / size(from, to);
       }

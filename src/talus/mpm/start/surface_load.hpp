@@ -12,6 +12,6 @@ namespace talus {
 /// axisymmetric per radian. The body has its particles in the middle of cells. The side consists of the outermost particle
 /// of every row of the lattice across it, so areas are those that the side shows along its axis, however it is curved. All
 /// zero where `within` leaves nothing of it.
-std::vector<double> loaded_areas(const Case& what, const SurfaceLoad& load, const Filling& particles);
+std::vector<double> loaded_areas(const Case& case_, const SurfaceLoad& load, const Filling& particles);
 
 }  // namespace talus

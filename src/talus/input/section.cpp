@@ -1,5 +1,3 @@
-#include "talus/input/reader.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -7,9 +5,9 @@
 #include <cmath>
 #include <sstream>
 
-#include "talus/base/file.hpp"
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
+#include "talus/input/reader.hpp"
 
 namespace talus {
 
@@ -27,98 +25,6 @@ std::string as_written(const toml::node& node) {
   const std::string text = out.str();
   return text.size() > 60 ? text.substr(0, 57) + "..." : text;
 }
-
-constexpr std::size_t most_bytes = 1 << 20;  // a polygon of ten thousand corners has a quarter of it
-constexpr int deepest = 16;
-
-/// Where brackets or dotted keys go deeper than in any input, or npos. toml++ makes and removes every level by a call
-/// of its own; a deep text would use up the stack.
-std::size_t too_deep(std::string_view text) {
-  int brackets = 0, dots = 0;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (c == '#') {
-      i = std::min(text.find('\n', i), text.size()) - 1;
-    } else if (c == '"' || c == '\'') {
-      const std::size_t n = text.substr(i, 3) == std::string(3, c) ? 3 : 1;
-      const std::string mark(n, c);
-      for (i += n; i < text.size() && text.substr(i, n) != mark && (n == 3 || text[i] != '\n'); ++i)
-        if (c == '"' && text[i] == '\\') ++i;
-      i += n - 1;
-      for (int more = 0; n == 3 && more < 2 && i + 1 < text.size() && text[i + 1] == c; ++more) ++i;  // """a"""""
-    } else if (c == '.') {
-      if (++dots > deepest) return i;
-    } else if (c == '[' || c == '{') {
-      dots = 0;
-      if (++brackets > deepest) return i;
-    } else if (c == ']' || c == '}') {
-      dots = 0;
-      --brackets;
-    } else if (c == ',' || c == '=' || c == '\n') {
-      dots = 0;
-    }
-  }
-  return text.npos;
-}
-
-toml::table parse(const std::string& name, std::string_view text) {
-  if (text.size() > most_bytes)
-    throw InputError({Complaint{name, 0, 0,
-                                fmt::format("holds {} bytes; at most {} are read. Long lists belong into CSV files",
-                                            text.size(), most_bytes)}});
-  if (const std::size_t at = too_deep(text); at != text.npos) {
-    const std::string_view before = text.substr(0, at);
-    throw InputError({Complaint{name, 1 + int(std::count(before.begin(), before.end(), '\n')),
-                                int(at - (before.rfind('\n') + 1)) + 1,
-                                fmt::format("brackets or dotted keys go deeper than {} levels", deepest)}});
-  }
-  try {
-    return toml::parse(text, name);
-  } catch (const toml::parse_error& e) {
-    throw InputError({Complaint{name, int(e.source().begin.line), int(e.source().begin.column),
-                                printable(std::string(e.description()))}});
-  }
-}
-
-std::string read_text(const std::string& path) {
-  try {
-    return contents_of(path, most_bytes);
-  } catch (const std::runtime_error& e) {
-    throw InputError(e.what());
-  }
-}
-
-}  // namespace
-
-Document::Document(const std::string& path) : Document(path, read_text(path)) {}
-
-Document::Document(const std::string& name, std::string_view text) : name_(name), root_(parse(name, text)) {}
-
-void Document::complain(const toml::source_region& where, std::string text) {
-  const toml::source_position& at = where.begin ? where.begin : root_.source().begin;  // a section that is not there
-  complaints_.push_back({name_, int(at.line), int(at.column), printable(text)});
-}
-
-void Document::complain(const InputError& other) {
-  complaints_.insert(complaints_.end(), other.complaints().begin(), other.complaints().end());
-}
-
-void Document::finish() const {
-  if (!complaints_.empty()) throw InputError(complaints_);
-}
-
-std::string in_words(const Range& range, std::string_view unit) {
-  const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
-  const std::string a = with_unit(range.low, unit), b = with_unit(range.high, unit);
-  if (low && high && !range.open_low && !range.open_high) return fmt::format("between {} and {}", a, b);
-  std::string text;
-  if (low) text = fmt::format("{} {}", range.open_low ? "greater than" : "at least", a);
-  if (low && high) text += " and ";
-  if (high) text += fmt::format("{} {}", range.open_high ? "less than" : "at most", b);
-  return text.empty() ? "any number" : text;
-}
-
-namespace {
 
 Asked asked(Asked::Kind kind, const Parameter& p, bool required, int n = 0) {
   return {.key = std::string(p.key),
@@ -224,18 +130,19 @@ bool Section::flag(std::string_view key, bool by_default, std::string_view meani
   return value;
 }
 
-int Section::whole_number(std::string_view key, int low, int high, int by_default, std::string_view meaning) {
-  ask(asked(Asked::Kind::whole_number, {key, "1", Range::between(low, high), meaning}, false));
-  const toml::node* node = find(key, meaning);
+int Section::whole_number(const Parameter& p, int by_default) {
+  ask(asked(Asked::Kind::whole_number, p, false));
+  const toml::node* node = find(p.key, p.meaning);
   int value = by_default;
   if (node) {
+    const auto low = std::int64_t(p.range.low), high = std::int64_t(p.range.high);
     const auto given = node->value_exact<std::int64_t>();
     if (!given || *given < low || *given > high)
-      complain(key, fmt::format("must be a whole number between {} and {}: {}", low, high, meaning));
+      complain(p.key, fmt::format("must be a whole number between {} and {}: {}", low, high, p.meaning));
     else
       value = int(*given);
   }
-  understand(key, std::to_string(value), !node, meaning);
+  understand(p.key, std::to_string(value), !node, p.meaning);
   return value;
 }
 
@@ -271,18 +178,14 @@ std::string Section::text(std::string_view key, std::string_view meaning, std::s
   return std::string(by_default);
 }
 
-int Section::choice(const Option& option) {
+int Section::choice(const Option& option, int by_default) {
   ask(asked(option, false));
   const toml::node* node = find(option.key, option.meaning);
   std::vector<std::string_view> words;
   for (const Choice& c : option.choices) words.push_back(c.word);
   if (!node) {
-    const auto preferred = preferred_.find(option.key);
-    const auto found =
-        preferred == preferred_.end() ? words.end() : std::find(words.begin(), words.end(), preferred->second);
-    const int i = found == words.end() ? 0 : int(found - words.begin());
-    understand(option.key, std::string(words[i]), true, option.meaning);
-    return i;
+    understand(option.key, std::string(words[std::size_t(by_default)]), true, option.meaning);
+    return by_default;
   }
   const auto word = node->value<std::string_view>();
   for (std::size_t i = 0; i < words.size(); ++i)
@@ -466,6 +369,30 @@ void Section::complain(std::string_view key, std::string_view text) {
 void Section::complain(std::string_view text) {
   if (absent_) return;  // that it is missing has been said
   document_->complain(table_->source(), path_.empty() ? std::string(text) : fmt::format("[{}] {}", path_, text));
+}
+
+void Section::complain(const Mistake& mistake) {
+  Section at = *this;
+  for (std::size_t i = 0; i < mistake.section.size(); ++i) {
+    const std::string& step = mistake.section[i];
+    const toml::node* node = at.table_->get(step);
+    const bool is_last = i + 1 == mistake.section.size();
+    if (node && node->is_table()) {
+      at = Section(*document_, *node->as_table(), at.full(step));
+    } else if (node && is_last && mistake.key == "kind") {  // a word stands for a table with nothing else
+      return at.complain(step, mistake.text);
+    } else {
+      if ((node || i == 0) && !is_right()) return;  // that there is no such section has been said
+      const std::string rest =
+          fmt::format("{}", fmt::join(mistake.section.begin() + std::ptrdiff_t(i), mistake.section.end(), "."));
+      return at.complain(mistake.key.empty() ? fmt::format("[{}] {}", rest, mistake.text)
+                                             : fmt::format("`{}.{}` {}", rest, mistake.key, mistake.text));
+    }
+  }
+  if (mistake.key.empty())
+    at.complain(mistake.text);
+  else
+    at.complain(mistake.key, mistake.text);
 }
 
 void Section::close(std::string_view what) {

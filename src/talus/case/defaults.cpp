@@ -1,0 +1,118 @@
+#include "talus/case/defaults.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "talus/case/material.hpp"
+
+namespace talus {
+
+Numerics numerics_of(Preset preset) {
+  Numerics n;
+  n.preset = preset;
+  if (preset == Preset::paper) {
+    n.shape_function = ShapeFunction::linear;
+    n.transfer = Transfer::flip;
+    n.integration.scheme = Integrator::forward_euler;
+    n.average_pressure = averages_pressure(preset, false);
+    n.particle_shifting = false;
+    n.dt = 1e-6;  // as in the paper
+  }
+  return n;
+}
+
+bool averages_pressure(Preset preset, bool f_bar) { return !f_bar && preset != Preset::paper; }
+
+int default_choice(const Option& option, Preset preset) {
+  if (preset == Preset::paper && option.key == "collisional_form")
+    for (std::size_t i = 0; i < option.choices.size(); ++i)
+      if (option.choices[i].word == "rate") return int(i);
+  return 0;
+}
+
+/// What a particle alone, pressed along all axes, bears at the worst place, dt < 2 sqrt(2/3)
+/// /sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines. uGIMP has
+/// 2/l + 1/(1 - l) with a half-width of l cells, 9.3 with two particles a cell and axis; it becomes the hat as l goes to
+/// 0. With hat functions, whose S has no bound, bodies break at 1: a particle that has just entered a cell pushes on
+/// nodes that have next to no mass (docs/performance.md, docs/numerics.md).
+Default default_cfl(ShapeFunction shape) {
+  switch (shape) {
+    case ShapeFunction::quadratic: return {0.65, "for quadratic shape functions"};
+    case ShapeFunction::linear: return {0.5, "for linear shape functions"};
+    case ShapeFunction::cubic: return {0.9, "for cubic shape functions"};
+    case ShapeFunction::ugimp: return {0.5, "for uGIMP"};
+  }
+  return {0.5, ""};
+}
+
+double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_cfl(numerics.shape_function).value); }
+
+std::optional<Default> default_tau(const Case& case_) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const BodySpec& b : case_.bodies) {
+    const Box box = bounding_box(b.region, case_.dim);
+    low = std::min(low, box.min[case_.dim - 1]);
+    high = std::max(high, box.max[case_.dim - 1]);
+  }
+  const double g = std::sqrt(dot(case_.gravity, case_.gravity));
+  if (!(g > 0 && high > low)) return std::nullopt;
+  return Default{0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies"};
+}
+
+bool separates_from_wall(WallKind kind) { return kind == WallKind::friction || kind == WallKind::rough; }
+bool separates_from_solid(WallKind kind) { return separates_from_wall(kind) || kind == WallKind::slip; }
+
+double rough_friction(const Case& case_) {
+  for (const Material& m : case_.materials)
+    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return *friction;
+  return 0;
+}
+
+Default default_snapshots(const Case& case_) { return {case_.end / 50, "a fiftieth of the run"}; }
+Default default_history(const Case& case_) { return {case_.end / 500, "a five-hundredth of the run"}; }
+
+double largest_particle(const BodySpec& body, int dim) {
+  double largest = body.spacing;
+  if (const auto* list = std::get_if<PointList>(&body.region))
+    for (double v : list->volumes) largest = std::max(largest, width_at_start(body, v, dim));
+  return largest;
+}
+
+Default default_front_thickness(const Case& case_) {
+  double grain = 0, particle = 0;
+  for (const BodySpec& b : case_.bodies) {
+    particle = std::max(particle, largest_particle(b, case_.dim));
+    if (b.material >= 0) grain = std::max(grain, grain_diameter_of(case_.materials[std::size_t(b.material)].law));
+  }
+  if (grain > 0) return {grain, "a grain"};
+  return {particle, "a particle at the start"};
+}
+
+std::vector<double> default_pictures(const Case& case_) {
+  std::vector<double> instants;
+  for (int i = 0; i <= 5; ++i) instants.push_back(case_.end * i / 5);
+  return instants;
+}
+
+std::vector<std::string_view> known_fields(const Case& case_) {
+  std::vector<std::string_view> known;
+  for (const Quantity& q : common_quantities) known.push_back(q.name);
+  for (const Material& m : case_.materials)
+    for (const Quantity& q : quantities_of(m.law)) known.push_back(q.name);
+  return known;
+}
+
+std::vector<std::string> default_fields(const Case& case_) {
+  std::vector<std::string_view> usual = {
+      "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
+      "kappa",    "I",    "viscosity",         "separated"};
+  if (has_outflow(case_)) usual.push_back("id");
+  const std::vector<std::string_view> known = known_fields(case_);
+  std::vector<std::string> fields;
+  for (std::string_view field : usual)
+    if (std::find(known.begin(), known.end(), field) != known.end()) fields.emplace_back(field);
+  return fields;
+}
+
+}  // namespace talus

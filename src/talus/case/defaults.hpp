@@ -1,0 +1,69 @@
+#pragma once
+/// Defaults that follow from the rest of a case, each with its reason. `resolve` fills them in, and readers show them.
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "talus/case/case.hpp"
+
+namespace talus {
+
+/// A number that holds unless the user gives another, and why.
+struct Default {
+  double value;
+  std::string_view reason;
+};
+
+/// The numerics of a preset before the user changes any of them.
+Numerics numerics_of(Preset preset);
+
+/// Whether the elastic compression is averaged: unless the rate of volume change is averaged already.
+bool averages_pressure(Preset preset, bool f_bar);
+
+/// The number of the choice that an option of a law has under a preset.
+int default_choice(const Option& option, Preset preset);
+
+/// A law with the options of a preset; its parameters are still to be set.
+template <class Law>
+Law law_of(Preset preset) {
+  Law law{};
+  for (const auto& option : Law::options()) option.set(law, default_choice(option, preset));
+  return law;
+}
+
+/// The largest share of a cell that waves and particles may cross in a step.
+Default default_cfl(ShapeFunction shape);
+/// That of a case, whether its user gave it or not.
+double cfl_of(const Numerics& numerics);
+
+/// Time constant of the decay of velocity fluctuations [s]; none where nothing falls.
+std::optional<Default> default_tau(const Case& case_);
+
+/// The surface of a side of the domain, or of a solid. Material lifts off a rubbing surface; off a smooth one it lifts if
+/// that is a solid's, while a smooth wall is a plane of symmetry as often as not.
+bool separates_from_wall(WallKind kind);
+bool separates_from_solid(WallKind kind);
+inline Wall wall_of_domain(WallKind kind, double friction = 0) { return {kind, friction, separates_from_wall(kind)}; }
+inline Wall surface_of_solid(WallKind kind, double friction = 0) {
+  return {kind, friction, separates_from_solid(kind)};
+}
+
+/// Friction of a `rough` surface: that of the first material that has a critical friction; 0 if none has.
+double rough_friction(const Case& case_);
+
+Default default_snapshots(const Case& case_);  ///< interval [s]
+Default default_history(const Case& case_);    ///< interval [s]
+/// Thickness that defines the edge of the deposit [m]: no layer of grains is thinner than a grain, and experiments see
+/// none. Of a law that does not know its grains, a layer of particles.
+Default default_front_thickness(const Case& case_);
+std::vector<double> default_pictures(const Case& case_);  ///< instants [s]
+
+/// Quantities that snapshots may hold, and those they hold by default; where particles may leave, `id` too.
+std::vector<std::string_view> known_fields(const Case& case_);
+std::vector<std::string> default_fields(const Case& case_);
+
+/// Edge of a body's largest particle at the start [m].
+double largest_particle(const BodySpec& body, int dim);
+
+}  // namespace talus

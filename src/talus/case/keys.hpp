@@ -1,0 +1,71 @@
+#pragma once
+/// The numbers that a user sets: key, unit, range and meaning, once for readers, the schema and `resolve`.
+
+#include <limits>
+
+#include "talus/base/parameter.hpp"
+
+namespace talus::keys {
+
+// [domain]
+inline constexpr Parameter cell{"cell", "m", Range::positive(), "size of the grid's cells"};
+inline constexpr Parameter friction{"friction", "1", Range::not_negative(),
+                                    "Coulomb's coefficient: tangent of the angle of wall friction"};
+
+// [material.NAME]; those of laws stand with the law
+inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk density at the start"};
+
+// [body.NAME]
+inline constexpr Parameter spacing{"spacing", "m", Range::positive(), "distance between particles at the start"};
+inline constexpr Parameter scatter{
+    "scatter", "1", Range::between(0, 0.5),
+    "how far particles stand off the lattice, at random along each axis, over the spacing"};
+inline constexpr Parameter seed{"seed", "1", Range::between(0, std::numeric_limits<int>::max()),
+                                "which random places `scatter` takes"};
+constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio at the start"}; }
+
+// shapes
+inline constexpr Parameter radius{"radius", "m", Range::positive(), "radius"};
+inline constexpr Parameter height{"height", "m", Range::positive(), "height"};
+inline constexpr Parameter pixel{"pixel", "m", Range::positive(), "edge of a pixel"};
+
+// [numerics]
+inline constexpr Parameter tau{"tau", "s", Range::positive(),
+                               "time in which velocity that the grid cannot hold decays"};
+/// Where nothing falls, nothing says how fast motion goes.
+inline constexpr Parameter tau_without_default{
+    "tau", "s", Range::positive(),
+    "time in which velocity that the grid cannot hold decays: a hundredth of that of the motion; or take transfer = "
+    "\"apic\" for bodies that turn, \"flip\" for elastic waves"};
+inline constexpr Parameter flip_share{"flip_share", "1", Range::between(0, 1),
+                                      "share of the particles' own velocity that is kept each step"};
+inline constexpr Parameter tolerance{"tolerance", "1", Range::between(1e-12, 0.1),
+                                     "relative error of a substep of the integrator"};
+inline constexpr Parameter dt{"dt", "s", Range::positive(), "fixed time step; without it the step adapts"};
+inline constexpr Parameter cfl{
+    "cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"};
+inline constexpr Parameter stiffness_factor{
+    "stiffness_factor",
+    "1",
+    {0, 1, true, false},
+    "multiplies the elastic stiffness of every material: below 1 steps are longer, waves slower"};
+
+// [run]
+inline constexpr Parameter end{"end", "s", Range::positive(), "simulated time at which the run ends"};
+
+// [output]
+inline constexpr Parameter snapshots{"snapshots", "s", Range::positive(), "time between snapshots"};
+inline constexpr Parameter history{"history", "s", Range::positive(), "time between rows of history.csv"};
+inline constexpr Parameter front_thickness{"front_thickness", "m", Range::positive(),
+                                           "how thick the deposit is where it ends: fronts are there"};
+/// Of a run until `end`; one of unknown length is not held against anything.
+constexpr Parameter pictures(double run_end) {
+  return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),
+          "instants of which pictures are made"};
+}
+inline constexpr Parameter checkpoints{"checkpoints", "s", Range::positive(),
+                                       "simulated time between checkpoints, beside those by the clock"};
+inline constexpr Parameter checkpoint_wall{"checkpoint_wall", "s", Range::positive(),
+                                           "time on the clock between checkpoints"};
+
+}  // namespace talus::keys

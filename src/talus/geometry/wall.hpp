@@ -1,0 +1,42 @@
+#pragma once
+/// Surfaces that material meets: the sides of the domain, and those of rigid solids.
+
+#include "talus/base/parameter.hpp"
+
+namespace talus {
+
+enum class WallKind { open, outflow, slip, no_slip, friction, rough, symmetry, periodic };
+inline constexpr Choice wall_choices[] = {
+    {"open", "no wall; a particle that leaves here stops the run"},
+    {"outflow", "no wall; what leaves here is gone, and the ledger says what it took along"},
+    {"slip", "smooth: nothing passes, nothing is held along the wall"},
+    {"no_slip", "material at the wall sticks to it"},
+    {"friction", "Coulomb: held along the wall by `friction` times what presses on it, at most"},
+    {"rough", "`friction` with that of the material on itself, sheared on and on: a bed of the same grains"},
+    {"symmetry", "plane of symmetry: smooth; a body may reach through it and is cut there"},
+    {"periodic", "what leaves here comes in at the opposite side, which is periodic too"},
+};
+/// Whether there is nothing on such a side.
+TALUS_HD constexpr bool is_passable(WallKind kind) {
+  return kind == WallKind::open || kind == WallKind::outflow || kind == WallKind::periodic;
+}
+/// A period holds a multiple of so many cells.
+inline constexpr int periodic_multiple = 4;
+inline constexpr Choice contact_choices[] = {wall_choices[2], wall_choices[3], wall_choices[4], wall_choices[5]};
+inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction, WallKind::rough};
+
+/// What the surface of a wall or of a solid does to material that meets it.
+struct Wall {
+  WallKind kind;
+  double friction;  ///< Coulomb's coefficient, of `friction`
+  bool separates;   ///< material may lift off; otherwise it is held
+
+  Wall(WallKind k = WallKind::open, double mu = 0, bool lifts_off = false)  // NOLINT: a kind alone is a wall
+      : kind(k), friction(mu), separates(lifts_off) {}
+  bool operator==(const Wall&) const = default;
+
+  /// Whether what it does depends on how material meets it, and not on where the wall is alone.
+  TALUS_HD bool is_contact() const { return kind == WallKind::friction || separates; }
+};
+
+}  // namespace talus

@@ -1,0 +1,62 @@
+#include "talus/case/defaults.hpp"
+#include "talus/case/keys.hpp"
+#include "talus/input/sections.hpp"
+
+namespace talus {
+
+namespace {
+
+constexpr Choice integrators[] = {integrator_choices[1], integrator_choices[0], integrator_choices[2]};
+constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler, Integrator::forward_euler};
+
+int number_of(Integrator scheme) {
+  int i = 0;
+  while (schemes[i] != scheme) ++i;
+  return i;
+}
+
+/// Of a transfer with a time constant. Where it has no default, `resolve` says whether it is missing.
+std::optional<double> read_tau(Section& s, const Case& case_) {
+  if (const std::optional<Default> by_default = default_tau(case_))
+    return s.number(keys::tau, by_default->value, by_default->reason);
+  return s.optional_number(keys::tau_without_default);
+}
+
+void read_integration(Section& s, Integration& integration) {
+  integration.scheme = schemes[s.choice({"integrator", "how the frictional stress is integrated", integrators},
+                                        number_of(integration.scheme))];
+  if (integration.scheme == Integrator::modified_euler)
+    integration.tolerance = s.number(keys::tolerance, integration.tolerance);
+}
+
+}  // namespace
+
+void read_numerics(Section& s, Case& case_) {
+  Numerics& n = case_.numerics;
+  n = numerics_of(Preset(s.choice({"preset", "where the defaults of the other keys come from", preset_choices})));
+  n.shape_function =
+      ShapeFunction(s.choice({"shape", "shape functions", shape_function_choices}, int(n.shape_function)));
+  n.transfer = Transfer(
+      s.choice({"transfer", "how velocity goes between particles and grid", transfer_choices}, int(n.transfer)));
+  if (has_tau(n.transfer))
+    n.tau = read_tau(s, case_);
+  else
+    n.flip_share = s.number(keys::flip_share, n.flip_share);
+  n.order = Order(s.choice({"order", "when the stress is updated", order_choices}, int(n.order)));
+  n.f_bar = s.flag("f_bar", n.f_bar, "average the rate of volume change over each cell (not with average_pressure)");
+  n.average_pressure = s.flag("average_pressure", averages_pressure(n.preset, n.f_bar),
+                              "average the elastic compression over each cell");
+  n.particle_shifting = s.flag("particle_shifting", n.particle_shifting,
+                               "move particles apart where they stand closer than their volumes leave room for");
+  read_integration(s, n.integration);
+  if (n.dt)
+    n.dt = s.number(keys::dt, *n.dt, "as in the paper");
+  else
+    n.dt = s.optional_number(keys::dt);
+  const Default cfl = default_cfl(n.shape_function);
+  n.cfl = s.number(keys::cfl, cfl.value, cfl.reason);
+  n.stiffness_factor = s.number(keys::stiffness_factor, n.stiffness_factor);
+  s.close("[numerics]");
+}
+
+}  // namespace talus

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <stdexcept>
+
+#include "talus/base/table.hpp"
+#include "talus/base/text.hpp"
+#include "talus/case/check.hpp"
+#include "talus/input/sections.hpp"
+
+namespace talus {
+
+namespace {
+
+/// The columns of coordinates and, last, of the volume; -1 where there is none. Throws if the columns are others.
+std::vector<int> columns_of(const NumberTable& table, const std::string& path, int dim) {
+  std::vector<std::string_view> known(axis_names, axis_names + dim);
+  known.push_back("volume");
+  std::vector<int> columns;
+  for (std::string_view name : known) columns.push_back(table.column(std::string(name)));
+  for (int a = 0; a < dim; ++a)
+    if (columns[std::size_t(a)] < 0)
+      throw std::runtime_error(
+          fmt::format("{} has no column `{}`; its first line must name the columns {}, and names {}", path,
+                      axis_names[a], fmt::join(known.begin(), known.begin() + dim, ","), fmt::join(table.names, ",")));
+  for (const std::string& name : table.names)
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw std::runtime_error(fmt::format("{} has a column `{}`, which is none of {}", path, name, any_of(known)));
+  return columns;
+}
+
+/// The points of a file. Throws std::runtime_error with what is wrong with it.
+PointList points_of(const std::string& path, int dim, std::optional<double> spacing) {
+  const NumberTable table = read_csv(path);
+  if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
+  const std::vector<int> columns = columns_of(table, path, dim);
+  const int of_volume = columns.back();
+  if (of_volume >= 0 && spacing)
+    throw std::runtime_error(fmt::format("{} tells the volumes: leave out `spacing`", path));
+  if (of_volume < 0 && !spacing)
+    throw std::runtime_error(fmt::format("{} does not tell volumes: give `spacing`, whose {} each particle has", path,
+                                         dim == 2 ? "square" : "cube"));
+  PointList list;
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const std::vector<double>& row = table.rows[i];
+    Vec<3> x{};
+    const double v = of_volume >= 0 ? row[std::size_t(of_volume)] : std::pow(*spacing, dim);
+    bool finite = std::isfinite(v);
+    for (int a = 0; a < dim; ++a) {
+      x[a] = row[std::size_t(columns[std::size_t(a)])];
+      finite &= std::isfinite(x[a]);
+    }
+    if (!finite) throw std::runtime_error(fmt::format("{}:{}: a value is missing or not finite", path, table.lines[i]));
+    if (!(v > 0))
+      throw std::runtime_error(fmt::format("{}:{}: the volume must be greater than 0", path, table.lines[i]));
+    list.places.push_back(x);
+    list.volumes.push_back(v);
+  }
+  return list;
+}
+
+}  // namespace
+
+Region read_points(Section& s, int dim, const std::string& folder, std::optional<double> spacing) {
+  const std::string file = s.text(
+      "file", "CSV file of the particles' places, with columns x, y and in 3D z [m], and if you like volume [m3]");
+  s.close("a list of points");
+  if (file.empty()) return Box{};
+  try {
+    return points_of((std::filesystem::path(folder) / file).string(), dim, spacing);
+  } catch (const std::runtime_error& e) {
+    s.complain("file", e.what());
+    return Box{};
+  }
+}
+
+}  // namespace talus
