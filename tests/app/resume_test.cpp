@@ -51,10 +51,10 @@ pictures = ["0 s", "0.1 s", "0.3 s"]
 checkpoints = "2 ms"
 )";
 
-std::string replaced(std::string text, const std::string& what, const std::string& by) {
-  const std::size_t at = text.find(what);
-  EXPECT_NE(at, text.npos) << what;
-  return text.replace(at, what.size(), by);
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  EXPECT_NE(at, text.npos) << part;
+  return text.replace(at, part.size(), by);
 }
 
 /// The files that hold what a run found out, by name.

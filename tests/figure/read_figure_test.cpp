@@ -27,9 +27,9 @@ TEST(ReadFigure, MistakesAreReportedTogether) {
     read("", figure);
     FAIL();
   } catch (const InputError& e) {
-    const std::string what = e.what();
+    const std::string text = e.what();
     for (const char* part : {"did you mean `label`", "z", "at_least"})
-      EXPECT_NE(what.find(part), std::string::npos) << part << "\n" << what;
+      EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
   }
   try {
     read("",

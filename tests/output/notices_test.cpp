@@ -31,9 +31,9 @@ TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
 
 TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
   // 2 kg on cells of 0.1 m: a hundredth of a cell is worth 2 x 9.81 x 0.001 = 0.01962 J.
-  Case what;
-  what.cell = 0.1;
-  what.gravity = {0, -9.81, 0};
+  Case case_;
+  case_.cell = 0.1;
+  case_.gravity = {0, -9.81, 0};
   RunSummary run;
   run.ledger.mass = 2;
   run.ledger.plastic = 1e-6;
@@ -42,24 +42,24 @@ TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
     run.ledger.numerical = -0.5 * turnover;
     run.ledger.kinetic = 0.02 * turnover;
     run.ledger.initial = turnover;
-    return warnings_of(what, run).size();
+    return warnings_of(case_, run).size();
   };
   EXPECT_EQ(said(0.0196), 0u);
   EXPECT_EQ(said(0.0197), 3u) << "the ledger does not close, the method wins, and it still moves";
 }
 
 TEST(Warnings, GrainsThatHaveJustBegunToFallAreApartAsTheyShouldBe) {
-  Case what;
-  what.cell = 0.1;
-  what.gravity = {0, -9.81, 0};
+  Case case_;
+  case_.cell = 0.1;
+  case_.gravity = {0, -9.81, 0};
   RunSummary run;
   run.n_particles = run.ledger.n_separated = 100;
   run.ledger.mass = 2;
   run.ledger.turnover = run.ledger.kinetic = run.ledger.initial = 1e-3;
-  EXPECT_TRUE(warnings_of(what, run).empty());
+  EXPECT_TRUE(warnings_of(case_, run).empty());
   run.ledger.kinetic = 0;
   run.ledger.plastic = 1e-3;
-  EXPECT_TRUE(one_begins(warnings_of(what, run), "100 % of the particles are separated"));
+  EXPECT_TRUE(one_begins(warnings_of(case_, run), "100 % of the particles are separated"));
 }
 
 TEST(Warnings, AMaterialThatStillMovesIsTold) {

@@ -10,13 +10,13 @@ namespace {
 
 /// Cells of 0.2 from -2 to 2, deposits end where they are `level` thick.
 Case plane(double level = 0.1) {
-  Case what;
-  what.dim = 2;
-  what.cell = 0.2;
-  what.domain = {{-2, 0, 0}, {2, 2, 0}};
-  what.n_cells = {20, 10, 1};
-  what.output.front_thickness = level;
-  return what;
+  Case case_;
+  case_.dim = 2;
+  case_.cell = 0.2;
+  case_.domain = {{-2, 0, 0}, {2, 2, 0}};
+  case_.n_cells = {20, 10, 1};
+  case_.output.front_thickness = level;
+  return case_;
 }
 
 /// Adds a particle of edge 0.1.
@@ -156,11 +156,11 @@ ParticlePlaces block(int n) {
 }
 
 Case space() {
-  Case what = plane();
-  what.dim = 3;
-  what.domain = {{0, 0, 0}, {2, 4, 1}};
-  what.n_cells = {10, 20, 5};
-  return what;
+  Case case_ = plane();
+  case_.dim = 3;
+  case_.domain = {{0, 0, 0}, {2, 4, 1}};
+  case_.n_cells = {10, 20, 5};
+  return case_;
 }
 
 TEST(Outline, In3DFrontsAreAlongBothAxesAndRadiiFromTheAxisOfTheStart) {
@@ -186,12 +186,12 @@ TEST(Outline, AQuarterHasTheOutlineOfTheWhole) {
   ParticlePlaces quarter;
   for (const Vec<3>& x : whole.places)
     if (x[0] > 1 && x[1] > 2) put(quarter, x[0], x[1], x[2]);
-  Case what = space();
-  const Outline all = OutlineFinder(what, whole).find(whole);
-  what.domain.min = {1, 2, 0};
-  what.n_cells = {5, 10, 5};
-  what.walls[0] = what.walls[2] = WallKind::symmetry;
-  const Outline part = OutlineFinder(what, quarter).find(quarter);
+  Case case_ = space();
+  const Outline all = OutlineFinder(case_, whole).find(whole);
+  case_.domain.min = {1, 2, 0};
+  case_.n_cells = {5, 10, 5};
+  case_.walls[0] = case_.walls[2] = WallKind::symmetry;
+  const Outline part = OutlineFinder(case_, quarter).find(quarter);
   EXPECT_NEAR(part.front_min[0], 1, 1e-12);
   EXPECT_NEAR(part.front_max[0], all.front_max[0], 1e-12);
   EXPECT_NEAR(part.front_radius, all.front_radius, 1e-12);
@@ -206,11 +206,11 @@ TEST(Outline, AHalfParticleOnAPlaneOfSymmetryStandsOnThisSideOfIt) {
   put(p, 0, 0.05);
   p.sizes[0] = std::sqrt(0.1 * 0.05);
   for (int i = 1; i <= 10; ++i) put(p, 0.1 * i, 0.05);
-  Case what = plane();
-  what.domain.min[0] = 0;
-  what.n_cells[0] = 10;
-  what.walls[0] = WallKind::symmetry;
-  const Outline o = OutlineFinder(what, p).find(p);
+  Case case_ = plane();
+  case_.domain.min[0] = 0;
+  case_.n_cells[0] = 10;
+  case_.walls[0] = WallKind::symmetry;
+  const Outline o = OutlineFinder(case_, p).find(p);
   double area = 0;
   for (double t : o.surface.thickness) area += 0.2 * t;
   EXPECT_NEAR(area, 1.05 * 0.1, 1e-12);
@@ -221,11 +221,11 @@ TEST(Outline, ADiskAroundTheAxisIsEquallyThickEverywhere) {
   ParticlePlaces p;  // particles as tall and wide as 0.1: rings
   for (int i = 0; i < 8; ++i)
     for (int j = 0; j < 4; ++j) put(p, 0.05 + 0.1 * i, 0.05 + 0.1 * j);
-  Case what = plane();
-  what.axisymmetric = true;
-  what.domain.min[0] = 0;
-  what.n_cells[0] = 10;
-  const Outline o = OutlineFinder(what, p).find(p);
+  Case case_ = plane();
+  case_.axisymmetric = true;
+  case_.domain.min[0] = 0;
+  case_.n_cells[0] = 10;
+  const Outline o = OutlineFinder(case_, p).find(p);
   ASSERT_EQ(o.surface.thickness.size(), 5u);
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(o.surface.thickness[i], 0.4, 1e-12);
   EXPECT_NEAR(o.front_radius, 0.8, 1e-12);
@@ -240,11 +240,11 @@ TEST(Outline, ALayerThatHasSpreadFromTheAxisStillCountsForTheHeightThere) {
   ParticlePlaces p;
   for (int layer = 0; layer < 2; ++layer)
     for (int i = 0; i < 4; ++i) put(p, (layer == 0 ? 1 : 5) * (0.05 + 0.1 * i), 0.05 + 0.1 * layer);
-  Case what = plane();
-  what.axisymmetric = true;
-  what.domain.min[0] = 0;
-  what.n_cells[0] = 10;
-  EXPECT_NEAR(OutlineFinder(what, p).find(p).height_at_axis, 0.2, 1e-12);
+  Case case_ = plane();
+  case_.axisymmetric = true;
+  case_.domain.min[0] = 0;
+  case_.n_cells[0] = 10;
+  EXPECT_NEAR(OutlineFinder(case_, p).find(p).height_at_axis, 0.2, 1e-12);
 }
 
 }  // namespace

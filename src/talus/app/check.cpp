@@ -60,7 +60,7 @@ struct OutputTimes {
   double row, snapshot, end;
 };
 
-/// Writes rows, snapshots and pictures of a run's start into a folder that is removed again.
+/// Writes rows, snapshots and pictures of the start of a run into a temporary folder.
 OutputTimes measure_output(const Case& case_, Simulation& simulation) {
   namespace fs = std::filesystem;
   const fs::path folder = fs::temp_directory_path() / fmt::format("talus_check_{}", ::getpid());
@@ -82,7 +82,7 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
     pictures.draw();
     return clock.seconds();
   };
-  if (const std::size_t n = case_.output.pictures->size(); n > 0) {  // the first instant brings gnuplot's start with it
+  if (const std::size_t n = case_.output.pictures->size(); n > 0) {  // the first instant includes the start of gnuplot
     const double one = draw_one_more(), two = draw_one_more();
     times.end = one + std::max(0.0, two - one) * double(n - 1);
   }
@@ -109,8 +109,7 @@ void print_sizes(const Case& case_, const Simulation& simulation) {
   if (case_.numerics.dt && *case_.numerics.dt > 0) fmt::print("  fixed step          {:.3g} s\n", *case_.numerics.dt);
 }
 
-/// Time of a step on this machine [s]. It shows only when the machine does the work: steps of this very case, for a
-/// second.
+/// Time of a step on this machine, measured on steps of this very case for a second [s].
 double measure_step(const Case& case_, Simulation& simulation) {
   const Clock clock;
   while (clock.seconds() < 1 && simulation.ledger().time < case_.end) simulation.step();

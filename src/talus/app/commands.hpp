@@ -5,8 +5,8 @@
 
 namespace talus {
 
-inline constexpr int exit_input = 2;     ///< the input is not right
-inline constexpr int exit_failed = 3;    ///< the run broke, or its results could not be written
+inline constexpr int exit_input = 2;     ///< errors in the input
+inline constexpr int exit_failed = 3;    ///< the run failed, or its results could not be written
 inline constexpr int exit_signal = 128;  ///< and the number of the signal that stopped a run: 130 Ctrl-C, 143 SIGTERM
 
 struct RunOptions {
@@ -15,7 +15,7 @@ struct RunOptions {
   int threads = 0;        ///< 0: as many as there are processors
   std::string until;      ///< such as "0.1 s"; empty: the case's own end
   bool overwrite = false;
-  bool resume = false;  ///< go on from the last checkpoint
+  bool resume = false;  ///< continue from the last checkpoint
 };
 int run_case(const RunOptions& options);
 
@@ -35,12 +35,12 @@ struct ReproduceOptions {
 };
 int reproduce(const ReproduceOptions& options);
 
-/// Opens the report of a run where there is a display; otherwise says where it is.
+/// Opens the report of a run if there is a display; otherwise prints its path.
 int view_report(const std::string& folder);
 
 int list_everything();
 
-/// Prints a case or element test to start from, with comments; without a name, which there are.
+/// Prints a case or element test to start from, with comments; without a name, a list of them.
 int print_template(const std::string& name);
 
 }  // namespace talus

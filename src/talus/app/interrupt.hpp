@@ -3,8 +3,8 @@
 
 namespace talus {
 
-/// While it lives, the first Ctrl-C (SIGINT) or SIGTERM is only noted, and the next one ends the program at once. What
-/// was ignored before, as in the background of a script, stays so.
+/// While it lives, the first Ctrl-C (SIGINT) or SIGTERM is only recorded, and the next one ends the program at once. Signals
+/// that were ignored before, as in the background of a script, stay ignored.
 class Interrupt {
  public:
   Interrupt();
@@ -12,7 +12,7 @@ class Interrupt {
   Interrupt(const Interrupt&) = delete;
   Interrupt& operator=(const Interrupt&) = delete;
 
-  /// Number of the signal that came; 0 if none did.
+  /// Number of the signal that was received; 0 without one.
   int signal() const;
 };
 

@@ -1,7 +1,7 @@
 /// talus: granular ground that fails, flows and comes to rest.
 ///
-/// All code stands in libtalus.so, which is built once for every processor and once for those with AVX2 and FMA; the
-/// dynamic loader takes the one that this machine can run.
+/// All code is in libtalus.so, which is built once for every processor and once for those with AVX2 and FMA; the dynamic
+/// loader loads the one that this machine can run.
 
 #include <unistd.h>
 
@@ -14,5 +14,5 @@ int main(int argc, char** argv) {
   // machine that is busy with something else is slowed down fiftyfold. OpenMP reads this before main, so start again.
   if (!std::getenv("GOMP_SPINCOUNT") && !std::getenv("OMP_WAIT_POLICY") && setenv("GOMP_SPINCOUNT", "1000", 1) == 0)
     execv("/proc/self/exe", argv);
-  return talus_program(argc, argv);  // also if that could not be done
+  return talus_program(argc, argv);  // also if the restart failed
 }

@@ -19,7 +19,7 @@ std::vector<Understood> understood(const Template& t) {
   return read_case_text(name, t.text).understood;
 }
 
-/// The file with the meaning of each key beside it, and at its end what it leaves out.
+/// The file with the meaning of each key beside it, and at its end the keys it leaves out.
 std::string commented(const Template& t) {
   constexpr std::size_t column = 44;
   const std::vector<Understood> all = understood(t);

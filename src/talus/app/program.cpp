@@ -29,7 +29,7 @@ void add_threads(CLI::App* command, int& threads) {
   command->add_option("--threads", threads, "threads [all processors]")->check(CLI::Range(1, 4096));
 }
 
-/// The subcommands with the options that the user gives them.
+/// The subcommands and their options.
 class Commands {
  public:
   explicit Commands(CLI::App& app) {

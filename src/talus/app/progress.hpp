@@ -1,5 +1,5 @@
 #pragma once
-/// How far a run is: one live line on a terminal, a line now and then in a log.
+/// Progress of a run: one live line on a terminal, a line now and then in a log.
 
 #include <chrono>
 #include <string>
@@ -12,7 +12,7 @@ class Progress {
  public:
   /// For a run that goes from where the ledger stands to the time `end` [s].
   Progress(double end, const Ledger& from);
-  /// To be called every step; prints when it is time to.
+  /// To be called every step; prints when the last line is old enough.
   void show(const Ledger& ledger, long n_particles);
   /// Ends the live line.
   void finish(const Ledger& ledger, long n_particles);

@@ -110,7 +110,7 @@ RunSummary Run::summary_at_start() const {
   return summary;
 }
 
-/// Where the run stands: at its checkpoint, or at the beginning of a new run, whose folder is claimed.
+/// State of the run at its checkpoint, which is restored, or at the beginning of a new run, whose folder is claimed.
 RunSoFar Run::restore_or_claim_folder() {
   RunSoFar so_far;
   if (task_.saved) {

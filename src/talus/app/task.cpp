@@ -68,45 +68,50 @@ std::string reason_not_to_write(const fs::path& folder, const Task& task, const 
   return "";
 }
 
-}  // namespace
-
-Task read_task(const RunOptions& options) {
-  const bool by_folder = fs::is_directory(options.case_file);
-  Task task;
-  task.case_file = options.case_file;
-  if (by_folder && !options.resume)
+/// Throws InputError unless the folder that stands for the case holds a run to resume.
+void expect_run_in_folder(const RunOptions& options) {
+  if (!options.resume)
     throw InputError(fmt::format("{} is a folder; to go on with the run there: {}", options.case_file,
                                  command_to_resume(options.case_file, options.threads)));
-  if (by_folder && !options.out.empty())
+  if (!options.out.empty())
     throw InputError("--out cannot be given where the folder of a run's results is: the run goes on in it");
-  if (by_folder && !fs::exists(fs::path(options.case_file) / "case.toml"))
+  if (!fs::exists(fs::path(options.case_file) / "case.toml"))
     throw InputError(fmt::format("{} holds no run: there is no case.toml", options.case_file));
-  task.folder = by_folder             ? fs::path(options.case_file)
-                : options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem()
-                                      : fs::path(options.out);
-  if (by_folder) task.case_file = (task.folder / "case.toml").string();
-  task.input = read_case(task.case_file);
-  task.case_text = contents_of(task.case_file);
-  if (!options.resume || !fs::is_directory(task.folder)) return task;
+}
 
+/// Locks the folder and reads the newest checkpoint in it, if there are results. From then on the case is that of the run,
+/// to the letter; only the instants of checkpoints may have changed.
+void read_saved_run(Task& task) {
   task.lock = std::make_unique<FolderLock>(task.folder);
   task.saved = newest_checkpoint(task.folder, task.input.understood,
                                  [](const std::string& why) { fmt::print(stderr, "{}\n", why); });
-  if (!task.saved) {
-    if (holds_results(task.folder))
-      throw InputError(
-          fmt::format("{} holds results but no checkpoint, so the run cannot go on; --overwrite instead "
-                      "of --resume begins anew",
-                      task.folder.string()));
-    return task;
-  }
-  // From here on the case is that of the run, to the letter; only the instants of checkpoints may have changed.
+  if (!task.saved && holds_results(task.folder))
+    throw InputError(
+        fmt::format("{} holds results but no checkpoint, so the run cannot go on; --overwrite instead "
+                    "of --resume begins anew",
+                    task.folder.string()));
+  if (!task.saved) return;
   const OutputSpec output = task.input.what.output;
   task.case_file = task.saved->so_far.case_file;
   task.case_text = task.saved->so_far.case_text;
   task.input = read_case_text(task.case_file, task.case_text);
   task.input.what.output.checkpoints = output.checkpoints;
   task.input.what.output.checkpoint_wall = output.checkpoint_wall;
+}
+
+}  // namespace
+
+Task read_task(const RunOptions& options) {
+  const bool by_folder = fs::is_directory(options.case_file);
+  if (by_folder) expect_run_in_folder(options);
+  Task task;
+  task.folder = by_folder             ? fs::path(options.case_file)
+                : options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem()
+                                      : fs::path(options.out);
+  task.case_file = by_folder ? (task.folder / "case.toml").string() : options.case_file;
+  task.input = read_case(task.case_file);
+  task.case_text = contents_of(task.case_file);
+  if (options.resume && fs::is_directory(task.folder)) read_saved_run(task);
   return task;
 }
 

@@ -27,7 +27,7 @@ Task read_task(const RunOptions& options);
 /// Throws InputError if a case needs more memory than is free here.
 void expect_memory_for(const Case& case_);
 
-/// The simulated time at which to end [s].
+/// Simulated time at which the run ends [s].
 double end_of(const Task& task, const RunOptions& options);
 
 /// Makes and locks the folder of a new run, and removes the results of an earlier one. Throws InputError if they must not
@@ -36,7 +36,8 @@ void claim_folder(Task& task, const RunOptions& options);
 
 /// The command that resumes a run, as it can be pasted into a shell.
 std::string command_to_resume(const std::filesystem::path& folder, int threads);
-/// The same for a task's case. One that names other files is read beside them, not in the folder of its results.
+/// The same for the case of a task. A case that names other files is read from its own folder, not from that of the
+/// results.
 std::string command_to_resume(const Task& task, const std::filesystem::path& folder, int threads);
 
 }  // namespace talus

@@ -1,5 +1,5 @@
 #pragma once
-/// The cases and element tests that talus brings along, as they stand in cases/.
+/// The cases and element tests of the folder cases/, which are part of the program.
 
 #include <span>
 #include <string_view>

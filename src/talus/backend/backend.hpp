@@ -10,7 +10,7 @@ namespace talus {
 /// One after the other, on the calling thread.
 std::unique_ptr<Backend> make_serial();
 
-/// On `n_threads` threads of this machine; 0 takes as many as there are processors.
+/// On `n_threads` threads of this machine; 0 means as many as there are processors.
 std::unique_ptr<Backend> make_openmp(int n_threads);
 
 }  // namespace talus

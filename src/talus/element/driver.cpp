@@ -32,7 +32,7 @@ class Driver {
   using State = typename Law::template State<double>;
 
   Driver(const ElementTest& test, const Law& law) : test_(test), law_(law) {
-    // The material moves already as the first segment wants it: Eq. 12 knows no acceleration before the test.
+    // The material already moves as the first segment prescribes: Eq. 12 knows no acceleration before the test.
     InitialState initial = test.initial;
     const Vector6 first =
         test.segments.empty() ? Vector6::Zero() : rate_at(completed(test.segments[0]), 0, Vector6::Zero());
@@ -41,7 +41,7 @@ class Driver {
     if (const auto* reason = std::get_if<std::string>(&state))
       throw InputError("the initial state is impossible: " + *reason);
     now_ = {std::get<State>(state), Vector6::Zero(), first, double(Outcome::elastic)};
-    // The rates of the start act from the start: with no strain yet, only what depends on the rate answers.
+    // The rates act from the start: with no strain yet, only the rate-dependent part of the stress responds.
     update(now_, Vector6::Zero(), now_.rate, 0);
     now_.outcome = double(Outcome::elastic);
     largest_stress_ = norm(stress(now_));
@@ -64,7 +64,7 @@ class Driver {
   }
 
  private:
-  /// The material and how it has been moved; strain and rate compression-positive.
+  /// State of the material and its motion; strain and rate compression-positive.
   struct Now {
     State state;
     Vector6 strain, rate;
@@ -85,8 +85,7 @@ class Driver {
     now.outcome = r.outcome;
   }
 
-  // ---- what a segment asks for -----------------------------------------------------------------------------------
-
+  /// What a control of a segment prescribes at an instant.
   double value_at(const Segment& segment, int row, double t) const {
     const Control& c = segment.controls[row];
     const double at_start = start_values_[row], duration = segment.duration;
@@ -96,8 +95,6 @@ class Driver {
     if (c.to_target) return at_start + (c.target - at_start) * (t / duration);
     return at_start + c.rate * t + 0.5 * c.acceleration * t * t;
   }
-
-  // ---- stepping --------------------------------------------------------------------------------------------------
 
   void run_segment(const Segment& segment, double start) {
     start_values_ = Vector6::Zero();
@@ -109,7 +106,7 @@ class Driver {
     std::vector<double> stops = corners(segment);
     for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.row_time(row));
     std::sort(stops.begin(), stops.end());
-    // forward_euler is asked for to see its own error: its steps are the rows.
+    // A user chooses forward_euler to see its error: its steps are the rows.
     const bool one_step =
         straight(segment) && (test_.integration.scheme == Integrator::forward_euler ||
                               (ControlsError<Law> && test_.integration.scheme == Integrator::modified_euler));
@@ -134,10 +131,10 @@ class Driver {
   }
 
   /// From t to `stop` in steps whose error, the difference between one step and two halves, stays below the tolerance.
-  /// Returns a step to go on with.
+  /// Returns the length of the next step.
   double advance_with_error_control(const Segment& segment, double start, double t, double stop, double step) {
     const double shortest = 1e-6 * segment.duration;
-    // Controlled stresses are met to 1e-9, so steps cannot be told apart more finely.
+    // Controlled stresses are met to 1e-9, so smaller errors of steps cannot be resolved.
     const double tolerance = strain_only(segment) ? test_.tolerance : std::max(test_.tolerance, 5e-9);
     while (t < stop) {
       // Two equal steps rather than one and a tiny one.
@@ -201,7 +198,7 @@ class Driver {
     return next;
   }
 
-  /// What the controls miss of their demand.
+  /// Difference between the controls and their demand.
   Vector6 residual(const MixedStep& step, const Now& next) const {
     Vector6 r;
     const Vector6 s = stress(next);
@@ -223,7 +220,7 @@ class Driver {
     return true;
   }
 
-  /// That of the last rate, but for the strains that are controlled.
+  /// Strain increment of the last rate, except for the strains that are controlled.
   Vector6 first_increment(const MixedStep& step) const {
     Vector6 increment = step.dt * step.from.rate;
     for (int k = 0; k < 6; ++k)
@@ -253,7 +250,7 @@ class Driver {
     const Eigen::FullPivLU<Matrix6> lu(scaled);
     Vector6 change = -lu.solve(row_scale.cwiseInverse().cwiseProduct(r));
     if (!change.allFinite()) return std::nullopt;
-    // More strain than this in one step means that the material gives way; a shorter step will show.
+    // More strain than this in one step means that the material fails; a shorter step will show.
     const double longest = 0.02, length = (increment + change).norm();
     if (length > longest) {
       if (increment.norm() >= 0.999 * longest) return std::nullopt;
@@ -297,7 +294,7 @@ class Driver {
     return true;
   }
 
-  /// Keeps the controlled stress that is missed most, for the message.
+  /// Keeps the controlled stress with the largest error, for the message.
   void note_missed_control(const Segment& segment, const Vector6& r) {
     jacobian_known_ = false;
     worst_ = 0;
@@ -315,8 +312,6 @@ class Driver {
                     segment.controls[worst_].name, start + t, t, segment.duration,
                     std::isfinite(missed_) ? fmt::format("{:.4g} Pa are", std::abs(missed_)) : "a finite stress is"));
   }
-
-  // ---- reporting -------------------------------------------------------------------------------------------------
 
   void name_columns() {
     const auto column = [&](std::string name, std::string unit, std::string meaning) {

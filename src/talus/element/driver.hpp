@@ -10,13 +10,13 @@
 
 namespace talus {
 
-/// What an element test reports: named columns with units, compression-positive, and a row an instant.
+/// Result of an element test: named columns with units, compression-positive, and a row for each instant.
 struct ElementResult : ResultTable {
   long n_updates = 0;  ///< calls of the law
   long n_unconverged = 0;
 };
 
-/// Runs a test. Throws InputError where the initial state is impossible.
+/// Runs a test. Throws InputError if the initial state is impossible.
 ElementResult run_element_test(const ElementTest& test);
 
 }  // namespace talus

@@ -6,14 +6,14 @@
 namespace talus {
 
 TableMotion follow(const std::vector<RateInstant>& table, double t) {
-  const auto rate_at = [&](std::size_t i) { return Vector6(table[i].rate.data()); };
-  TableMotion m{rate_at(0), Vector6::Zero()};
+  const auto row = [&](std::size_t i) { return Vector6(table[i].rate.data()); };
+  TableMotion m{row(0), Vector6::Zero()};
   for (std::size_t i = 1; i < table.size(); ++i) {
     const double t0 = table[i - 1].time, t1 = std::min(t, table[i].time);
     if (t1 <= t0) break;
     const double share = (t1 - t0) / (table[i].time - t0);
-    m.rate = rate_at(i - 1) + share * (rate_at(i) - rate_at(i - 1));
-    m.strain += 0.5 * (t1 - t0) * (rate_at(i - 1) + m.rate);
+    m.rate = row(i - 1) + share * (row(i) - row(i - 1));
+    m.strain += 0.5 * (t1 - t0) * (row(i - 1) + m.rate);
   }
   return m;
 }
@@ -62,7 +62,7 @@ bool is_strain(const Control& c, int component) {
 Vector6 rate_at(const Segment& segment, double t, const Vector6& otherwise) {
   const Vector6 of_table = segment.history.empty() ? Vector6::Zero() : follow(segment.history, t).rate;
   Vector6 rate = otherwise;
-  // A control on a single strain component gives its rate outright.
+  // A control of a single strain component prescribes its rate.
   for (const Control& c : segment.controls)
     for (int i = 0; i < 6; ++i)
       if (is_strain(c, i))

@@ -48,8 +48,8 @@ struct Plots {
   }
 };
 
-/// Lines for what was computed, points for what was measured; both in the same colour if they belong together. What several
-/// curves are held against is drawn once, in grey.
+/// Lines for computed curves, points for measured ones; both in the same colour if they belong together. Measurements that
+/// several curves are compared with are drawn once, in grey.
 Plots plots_of(const FigureSpec& figure, const Panel& panel, const std::vector<DrawnCurve>& curves) {
   Plots plots;
   for (std::size_t i = 0; i < curves.size(); ++i) {
@@ -76,8 +76,8 @@ Plots plots_of(const FigureSpec& figure, const Panel& panel, const std::vector<D
 }
 
 std::string script_of(const Panel& panel, const std::vector<std::string>& plots) {
-  // A key of one column below the plot, which as many curves make so much higher: beside each other long labels do not
-  // fit, and gnuplot then leaves out the whole key.
+  // The key is one column below the plot, which grows with the number of curves: beside each other long labels do not fit,
+  // and gnuplot then leaves out the whole key.
   const int width = 560, height = 360 + 15 * int(plots.size());
   std::string script =
       fmt::format("set terminal svg size {},{} font 'sans,12' background '#ffffff'\nset output '{}.svg'\n", width,

@@ -18,7 +18,7 @@ struct Reading {
 
 /// The element test of a curve in one reading.
 struct CurveTest {
-  std::string text;  ///< the test file with everything set, to be run again by itself
+  std::string text;  ///< the test file with all keys replaced, which can be run again by itself
   ElementTest test;
 };
 
@@ -26,7 +26,7 @@ struct CurveTest {
 /// a row.
 struct CurveRuns {
   struct Run {
-    std::string text;            ///< the case file with everything set, to be run again by itself
+    std::string text;            ///< the case file with all keys replaced, which can be run again by itself
     std::vector<double> values;  ///< in the sweep's columns
   };
   std::vector<std::string> columns;  ///< that the sweep adds to those of the history
@@ -64,7 +64,7 @@ struct Panel {
   std::vector<int> curves;
 };
 
-/// Numbers beside each other: a row a curve, of its last instant, or a row for every run of a sweep.
+/// A table of numbers: a row for the last instant of each curve, or for each run of a sweep.
 struct NumbersSpec {
   struct Column {
     std::string label, value;  ///< formula of the columns of a curve

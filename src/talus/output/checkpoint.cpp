@@ -29,7 +29,7 @@ std::uint32_t checksum(std::uint32_t before, const void* bytes, std::size_t n) {
   return std::uint32_t(::crc32_z(before, static_cast<const unsigned char*>(bytes), n));
 }
 
-/// Writes the parts of a checkpoint and adds them up.
+/// Writes the parts of a checkpoint and its checksum.
 class Writer {
  public:
   explicit Writer(const fs::path& file) : file_(file) {}

@@ -1,5 +1,5 @@
 #pragma once
-/// Checkpoints: where a run stands, so that it can stop and be resumed as if it had not stopped.
+/// Checkpoints: the state of a run, so that it can be stopped and resumed as if it had not stopped.
 ///
 /// A run keeps its last two in its folder, checkpoint_0.talus and checkpoint_1.talus, and always replaces the older.
 /// A file holds a line that says what it is, then named arrays of eight-byte numbers as the machine has them, among
@@ -32,7 +32,7 @@ struct Schedule {
   }
 };
 
-/// What was asked of a run, and what it has written when a checkpoint is made.
+/// The case of a run, and what the run has written up to a checkpoint.
 struct RunSoFar {
   std::string case_file;
   std::string case_text;
@@ -41,7 +41,7 @@ struct RunSoFar {
   long step = 0;
   long history_bytes = 0;                   ///< length of history.csv
   long surface_bytes = 0;                   ///< length of surface.csv
-  std::vector<double> snapshots, instants;  ///< times of the snapshots, and of what pictures will show [s]
+  std::vector<double> snapshots, instants;  ///< times of the snapshots, and of the instants in pictures [s]
   Schedule next_snapshot{}, next_row{};
   double wall_seconds = 0, cpu_seconds = 0;
   std::vector<double> resumed_at;  ///< times from which the run was resumed [s]
@@ -57,17 +57,17 @@ struct SavedRun {
   void restore(Simulation& simulation) const;
 };
 
-/// Reads a checkpoint. Throws std::runtime_error with a sentence why it cannot be used.
+/// Reads a checkpoint. Throws std::runtime_error with the reason if it cannot be used.
 SavedRun read_checkpoint(const std::filesystem::path& file);
 
 /// The checkpoints of a run.
 class Checkpoints {
  public:
-  /// For a run in a folder; one that goes on from `saved`.
+  /// For a run in a folder; `saved` is the checkpoint it resumes from, null for a new run.
   Checkpoints(std::filesystem::path folder, const SavedRun* saved);
 
   /// Writes one in place of the older of the last two; it is on the disk when this returns. Throws std::runtime_error
-  /// if it cannot be written; the last two are as they were then.
+  /// if it cannot be written; the last two then stay as they are.
   void write(const RunSoFar& so_far, const Simulation& simulation);
   /// The last one.
   std::string last() const;
@@ -83,8 +83,8 @@ class Checkpoints {
   long step_ = 0;
 };
 
-/// The newest usable checkpoint in a folder, of the run of the case that was understood so; none if there is none at
-/// all. Calls `refused` with the reason another one is not used. Throws InputError, with all reasons, if no one is usable.
+/// The newest usable checkpoint in a folder, of a run of the case with these settings; none if the folder has none. Calls
+/// `refused` with the reason another one is not used. Throws InputError, with all reasons, if none of them is usable.
 std::optional<SavedRun> newest_checkpoint(const std::filesystem::path& folder,
                                           const std::vector<Understood>& understood,
                                           const std::function<void(const std::string&)>& refused);

@@ -12,7 +12,7 @@ namespace talus {
 
 namespace {
 
-/// A column: its name with unit, and where its value comes from.
+/// A column: its name with unit, and the function of its value.
 struct Column {
   std::string name;
   double (*value)(const Ledger&, const Outline&);

@@ -1,5 +1,5 @@
 #pragma once
-/// history.csv and surface.csv: what a run does in time.
+/// history.csv and surface.csv: time histories of a run.
 
 #include <filesystem>
 #include <fstream>
@@ -37,7 +37,7 @@ class GrowingTable {
   long bytes_;
 };
 
-/// history.csv, a row an instant.
+/// history.csv: a row an instant.
 class History : public GrowingTable {
  public:
   History(const std::filesystem::path& file, const Case& case_, long bytes = 0);
@@ -47,7 +47,7 @@ class History : public GrowingTable {
   std::vector<double (*)(const Ledger&, const Outline&)> values_;  ///< of the columns
 };
 
-/// surface.csv, the thickness of the material at the instants of snapshots: a row a strip of ground, or a ring.
+/// surface.csv: thickness of the material at the instants of snapshots; a row for each strip of ground, or ring.
 class SurfaceTable : public GrowingTable {
  public:
   SurfaceTable(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);

@@ -89,7 +89,8 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
   if (const std::string notice = notice_of_stiffness(case_.numerics); !notice.empty()) warnings.push_back(notice);
   if (const std::string notice = notice_of_preset(case_); !notice.empty()) warnings.push_back(notice);
   const Ledger& l = run.ledger;
-  // Shares of next to nothing say nothing: ground that was not lowered by a hundredth of a cell, on average, has rested.
+  // Shares of a negligible energy mean nothing: ground that was not lowered by a hundredth of a cell, on average, is at
+  // rest.
   const double weight = l.mass * std::hypot(case_.gravity[0], case_.gravity[1], case_.gravity[2]);
   const double energy = l.turnover > 0.01 * case_.cell * weight ? l.turnover : 0;
   if (depends_on_step(case_.numerics))

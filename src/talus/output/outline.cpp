@@ -12,17 +12,18 @@ namespace talus {
 
 namespace {
 
-/// How near the axis heights there are taken, in cells. A layer that has spread to q times its radius has no particle
-/// within q/2 of their spacing of the axis: in one cell the surface would seem to be where the last of them stay.
+/// Distance from the axis within which heights at the axis are measured, in cells. A layer that has spread to q times its
+/// radius has no particle within q/2 of their spacing of the axis: within one cell the surface would seem to be at the few
+/// that remain.
 constexpr double near_axis_cells = 2;
 
-/// One particle along some coordinate: where its centre is, and how far it reaches beyond.
+/// One particle along a coordinate: its centre, and half its size.
 struct Reach {
   double centre, half;
 };
 
-/// The range [low, high] of what is connected to the median: reached from it through strips of a given width that all
-/// hold a part of a particle, as those of a deposit do. Particles of a broken run that are nowhere do not count.
+/// The range [low, high] of the particles that are connected to the median by strips of a given width that all hold a part
+/// of a particle. Particles of a failed run that have no finite place do not count.
 std::pair<double, double> connected_range(std::vector<Reach> particles, double width) {
   std::erase_if(particles, [&](const Reach& p) { return !(std::abs(p.centre) < 1e9 * width); });
   if (particles.empty()) return {0, 0};
@@ -33,7 +34,7 @@ std::pair<double, double> connected_range(std::vector<Reach> particles, double w
   std::unordered_set<double> strips;
   const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
   for (const Reach& p : particles) {
-    const double half = std::min(p.half, width) - rounding;  // grains that fly apart take up any volume
+    const double half = std::min(p.half, width) - rounding;  // grains that fly apart fill any volume
     for (double strip = strip_of(p.centre - half); strip <= strip_of(p.centre + half); ++strip) strips.insert(strip);
   }
 
@@ -49,9 +50,10 @@ std::pair<double, double> connected_range(std::vector<Reach> particles, double w
   return {least, most};
 }
 
-/// From the first to the last patch that holds material, and an empty one beyond each, so that the surface comes down.
-/// Neighbours that hold material exchange a quarter of what one is thicker than the other, (1, 2, 1)/4: particles in rows
-/// fall into patches unevenly, and what alternates from one to the next is that. Volume stays, and flat stays flat.
+/// Surface from the first to the last patch that holds material, and an empty one beyond each, so that the surface falls to
+/// zero. Neighbours that hold material exchange a quarter of their difference in thickness, (1, 2, 1)/4: rows of particles
+/// are divided unevenly among patches, so the thickness alternates from one to the next. The volume is conserved, and a flat
+/// surface stays flat.
 Surface surface_of(const Patches& patches) {
   const auto from_neighbour = [&](int i, int j) {
     if (j < 0 || j >= patches.n() || patches.at(j).volume == 0) return 0.0;
@@ -85,7 +87,7 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
   if (axisymmetric_) axis_ = {};
   for (double size : start.sizes) half_sizes_.push_back(size / 2);
-  for (int a = 0; a < case_.dim - 1; ++a) {  // the axis of what a plane of symmetry cuts lies in it
+  for (int a = 0; a < case_.dim - 1; ++a) {  // the axis of a body that a plane of symmetry cuts lies in the plane
     const bool low = case_.walls[2 * a].kind == WallKind::symmetry,
                high = case_.walls[2 * a + 1].kind == WallKind::symmetry;
     if (low) axis_[a] = case_.domain.min[a];
@@ -108,7 +110,7 @@ Patches OutlineFinder::ground(const ParticlePlaces& particles) const {
   for (std::size_t p = 0; p < particles.places.size(); ++p) {
     const Vec<3>& x = particles.places[p];
     const double size = particles.sizes[p], half = size / 2;
-    // What a wall or a plane of symmetry cuts off stands on this side of it.
+    // The part of a particle beyond a wall or a plane of symmetry counts on this side of it.
     const auto inside = [&](int a) {
       return std::min(x[a] + half, domain_.max[a]) - std::max(x[a] - half, domain_.min[a]);
     };

@@ -1,13 +1,12 @@
 #pragma once
-/// The outline of the material: how thick it lies, how far it reaches and how high.
+/// The outline of the material: thickness, extent and height.
 
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
 
-/// How thick the material lies over the ground, its volume over the area: in strips of the ground as wide as a cell in
-/// plane strain; else in rings about the axis, which makes it the mean around the axis. Neighbours are evened out,
-/// (1, 2, 1)/4.
+/// Thickness of the material over the ground, volume over area: in strips of the ground as wide as a cell in plane
+/// strain; else in rings about the axis, so that it is the mean around the axis. Neighbours are smoothed, (1, 2, 1)/4.
 struct Surface {
   std::vector<double> places;     ///< middle of each strip, or its distance from the axis [m]
   std::vector<double> thickness;  ///< [m]
@@ -15,22 +14,22 @@ struct Surface {
 
 /// Outline of the material.
 ///
-/// *Fronts* are where the deposit ends: the ground is cut into patches of a cell; those that hold material, at least
-/// `front_thickness` thick on average over the patch and those around it that hold some, and that hang together by their
-/// sides are the deposit (if there are several, the one that holds most). Its edge lies where that mean thickness, linear
-/// between the middles of patches, falls to that level, and never beyond the material. That is what experiments measure,
-/// the edge of what lies on the ground as a whole; grains that ran or were thrown ahead do not count. A thin sheet is a
-/// particle or two on a patch: without the mean it would end where chance has left one too few. NaN while the material is
-/// nowhere so thick.
+/// *Fronts* are the edges of the deposit. The ground is divided into patches of a cell. The deposit is the set of patches
+/// that hold material, are connected by their sides, and where the material is at least `front_thickness` thick, on average
+/// over the patch and its neighbours that hold some; of several such sets the one with the largest volume. Its edge lies
+/// where that mean thickness, linear between the middles of patches, falls to that level, and never beyond the material.
+/// This is the edge that experiments measure; grains that ran or were thrown ahead do not count. A thin sheet is a particle
+/// or two on a patch: without the mean it would end where by chance a particle is missing. NaN while the material is nowhere
+/// so thick.
 ///
-/// *Farthest* are single particles, as far as the strips from the middle of the mass outwards all hold one. On smooth
-/// ground a sheet of single points can be far ahead of the front.
+/// *Farthest* are single particles: the last ones before a strip of ground, counted from the middle of the mass, is empty.
+/// On smooth ground a sheet of single points can be far ahead of the front.
 ///
 /// Heights are those of single particles too. Surfaces of particles lie half a particle beyond their places.
 struct Outline {
   double front_min[2] = {0, 0};     ///< along x, and y in 3D [m]
   double front_max[2] = {0, 0};     ///< [m]
-  double front_radius = 0;          ///< where the mean thickness around the axis ends, not in plane strain [m]
+  double front_radius = 0;          ///< front of the mean thickness around the axis, not in plane strain [m]
   double farthest_min[2] = {0, 0};  ///< along x, and y in 3D [m]
   double farthest_max[2] = {0, 0};  ///< [m]
   double farthest_radius = 0;       ///< from the axis, not in plane strain [m]
@@ -48,12 +47,12 @@ class OutlineFinder {
   Outline find(const ParticlePlaces& particles) const;
 
  private:
-  /// What lies on patches of ground, and on rings about the axis.
+  /// The material on patches of ground, and on rings about the axis.
   Patches ground(const ParticlePlaces& particles) const;
   Patches rings(const ParticlePlaces& particles) const;
-  /// Fronts, and the surface in plane strain.
+  /// Fronts along x and y; in plane strain also the surface.
   void find_fronts_along_axes(const ParticlePlaces& particles, Outline& outline) const;
-  /// Fronts, and the surface but in plane strain.
+  /// Front along the radius, and the surface over it.
   void find_fronts_around_axis(const ParticlePlaces& particles, Outline& outline) const;
   /// Distance from the axis [m].
   double radius_of(const Vec<3>& place) const;

@@ -1,5 +1,5 @@
 #pragma once
-/// Web pages that need nothing but themselves.
+/// Parts of web pages that need no other files.
 
 #include <filesystem>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace talus {
 
-/// Text as it must stand in HTML.
+/// Text escaped for HTML.
 std::string escaped(const std::string& text);
 
 /// Bytes as text.

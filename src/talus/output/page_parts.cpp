@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-// The build gives the folders: TALUS_REPORT is report/ beside this file, TALUS_THREE and TALUS_DYGRAPHS are the
+// The build defines the folders: TALUS_REPORT is report/ beside this file, TALUS_THREE and TALUS_DYGRAPHS are the
 // libraries' own. The assembler includes the bytes.
 #define TALUS_PART(name, file)                                                                                        \
   asm(".pushsection .rodata\ntalus_part_" #name ":\n.incbin \"" file "\"\ntalus_part_" #name "_end:\n.popsection\n"); \

@@ -1,6 +1,6 @@
 #pragma once
-/// Files that pages are made of, as bytes in the program: our own in report/, and libraries of others as the system has
-/// them, whose licences stand in report/licences.html.
+/// Files that pages are made of, as bytes in the program: our own in report/, and libraries of others from the system,
+/// with their licences in report/licences.html.
 
 #include <string_view>
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Patches of ground as wide as a cell, and how thick the material lies on them.
+/// Patches of ground as wide as a cell, and the thickness of the material on them.
 
 #include <algorithm>
 #include <array>
@@ -9,11 +9,11 @@
 
 namespace talus {
 
-/// A patch of ground and what lies on it.
+/// A patch of ground and the material on it.
 struct Patch {
   double volume = 0, area = 0;
   static constexpr double infinite = std::numeric_limits<double>::infinity();
-  /// How far the material reaches along each axis, towards the low and the high side; outwards positive.
+  /// Edge of the material along each axis, on the low and the high side; outwards positive.
   double reach[2][2] = {{-infinite, -infinite}, {-infinite, -infinite}};
 
   double thickness() const { return volume / area; }
@@ -52,14 +52,14 @@ class Patches {
     }
   }
 
-  /// How thick the material is on average over a patch and those around it that hold some.
+  /// Mean thickness over a patch and its neighbours that hold material.
   double mean_thickness(std::size_t k) const;
 
-  /// Patches of the deposit: that hold material, on average at least `level` thick, and are connected by their sides; of
-  /// several such sets the one that holds most.
+  /// Patches of the deposit: those that hold material, on average at least `level` thick, and are connected by their sides;
+  /// of several such sets the one with the largest volume.
   std::vector<bool> deposit(double level) const;
 
-  /// Where the deposit ends along an axis, at its low (0) or high (1) side; NaN if there is none.
+  /// Edge of the deposit along an axis, on its low (0) or high (1) side; NaN if there is no deposit.
   double front(const std::vector<bool>& deposit, double level, int axis, int side) const;
 
  private:

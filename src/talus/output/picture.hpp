@@ -43,7 +43,7 @@ class PictureBook {
   std::string head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const;
   /// Place, title and labels of a panel.
   std::string panel_of_script(int number, const Layout& layout) const;
-  /// Writes where the surfaces of solids are at an instant, within a part of the plane that is shown. Returns the file.
+  /// Writes points on the surfaces of solids at an instant, inside the part of the plane that is shown. Returns the file.
   std::string write_solids(int number, const double low[2], const double high[2], double spacing) const;
 
   std::filesystem::path folder_;
@@ -53,7 +53,7 @@ class PictureBook {
   LengthUnit unit_;
   std::string title_;
   double floor_;  ///< lower side of the domain [m]
-  double slice_;  ///< place of the slice along y [m]
+  double slice_;  ///< y of the slice [m]
   std::vector<Solid> solids_;
   std::vector<double> times_;
 };

@@ -94,7 +94,7 @@ bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path
          "'#dddddd'\nset border "
          "3\nset tics nomirror\n"
       << "set xlabel " << gnuplot_text(chart.x_label) << "\nset ylabel " << gnuplot_text(chart.y_label) << "\n";
-  if (!has_numbers(csv, chart)) out << "set yrange [0:1]\n";  // without any, gnuplot finds no range and gives up
+  if (!has_numbers(csv, chart)) out << "set yrange [0:1]\n";  // without any, gnuplot finds no range and fails
   std::vector<std::string> plots;
   for (std::size_t i = 0; i < chart.curves.size(); ++i)
     plots.push_back(fmt::format("{} every ::1 using (${}*{}):(${}*{}) with lines lw 2 lc '{}' title {}",

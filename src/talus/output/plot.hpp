@@ -1,5 +1,5 @@
 #pragma once
-/// Figures by gnuplot. Its script and data stay beside each figure, so that users can restyle it.
+/// Figures drawn by gnuplot. Script and data stay beside each figure, so that users can restyle it.
 
 #include <filesystem>
 #include <string>
@@ -7,12 +7,12 @@
 
 namespace talus {
 
-/// Runs a gnuplot script in the folder it stands in, so that scripts name files by themselves and folders can be moved. False if gnuplot is not installed; throws std::runtime_error with its
-/// message if the script fails.
+/// Runs a gnuplot script in its own folder, so that scripts name files without folders and the folder can be moved. False
+/// if gnuplot is not installed; throws std::runtime_error with its message if the script fails.
 bool run_gnuplot(const std::filesystem::path& script);
 
-/// Colours from dark to bright that are told apart equally well along the whole scale, also in grey (viridis, sampled),
-/// as a gnuplot palette.
+/// Colours from dark to bright that can be distinguished equally well along the whole scale, also in grey (viridis,
+/// sampled), as a gnuplot palette.
 std::string even_palette();
 
 /// Colours of lines that remain distinct for the colour-blind (Okabe and Ito 2008).

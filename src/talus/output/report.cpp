@@ -23,12 +23,12 @@ namespace talus {
 
 namespace {
 
-/// A share of the energy turned over, as a percentage; a dash where nothing moved.
+/// A share of the energy released, as a percentage; a dash if nothing moved.
 std::string share(double part, const Ledger& l) {
   return l.turnover > 0 ? fmt::format("{:.2f} %", 100 * part / l.turnover) : "&ndash;";
 }
 
-/// Does the energy ledger close? Its limit is that of the warning.
+/// Whether the energy balance is closed; the limit is that of the warning.
 std::string verdict_of(const Ledger& l) {
   if (!(l.turnover > 0)) return "Nothing moved, so there is no energy to account for.";
   const double missed = std::abs(l.error()) / l.turnover;
@@ -37,7 +37,7 @@ std::string verdict_of(const Ledger& l) {
       missed <= most_missed ? "closes" : "does not close", 100 * missed, 100 * most_missed);
 }
 
-/// The viewer; and what stands in its place where a browser cannot show it.
+/// The viewer, and a text in its place for browsers that cannot show it.
 std::string particles_section(const std::filesystem::path& folder, const Case& case_, const RunSummary& run) {
   std::string section =
       "<noscript><p>This browser runs no scripts; the pictures below show the particles.</p></noscript>\n"
@@ -52,8 +52,7 @@ std::string particles_section(const std::filesystem::path& folder, const Case& c
   }
 }
 
-/// Rows of a history as they stand in the page: all, or the first of every `every` and the last where they would make it
-/// large.
+/// Rows of a history for the page: all, or the first of every `every` and the last if all of them would make it large.
 struct Rows {
   std::string text;
   std::size_t every;

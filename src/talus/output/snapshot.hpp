@@ -1,8 +1,8 @@
 #pragma once
 /// Snapshots of all particles, for ParaView and for scripts.
 ///
-/// Each is an HDF5 file in VTK's layout (VTKHDF 1.0, UnstructuredGrid of vertices), a field a dataset under
-/// VTKHDF/PointData with the attributes `units` and `meaning`. ParaView opens the time series by the one file
+/// Each is an HDF5 file in VTK's layout (VTKHDF 1.0, UnstructuredGrid of vertices), each field is a dataset
+/// under VTKHDF/PointData with the attributes `units` and `meaning`. ParaView opens the time series with the file
 /// NAME.hdf.series beside them.
 
 #include <filesystem>
@@ -18,15 +18,15 @@ namespace talus {
 /// Throws std::runtime_error if it cannot be written.
 void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields);
 
-/// Reads what write_snapshot wrote: the positions, then the fields by name. Throws std::runtime_error if the file is not such
-/// a snapshot.
+/// Reads a snapshot of write_snapshot: the positions, then the fields by name. Throws std::runtime_error if the file is not
+/// one.
 Observation read_snapshot(const std::filesystem::path& file);
 
 /// The files that a series file lists, in its order. Throws std::runtime_error if it cannot be read.
 std::vector<std::filesystem::path> read_series(const std::filesystem::path& series_file);
 
 /// The snapshots of a run: numbered files and the series file that lists them with their times. A snapshot is written
-/// while the run goes on; the next one waits for it, and brings its errors.
+/// while the run goes on; the next one waits for it, and throws its errors.
 class SnapshotSeries {
  public:
   /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series. `times` are those of the snapshots that are
@@ -45,7 +45,7 @@ class SnapshotSeries {
   const std::vector<double>& times() const { return times_; }
 
  private:
-  /// What the series file says.
+  /// Text of the series file.
   std::string list() const;
 
   std::filesystem::path folder_;

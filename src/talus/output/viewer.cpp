@@ -46,7 +46,7 @@ void add_axis(const std::string& id, const Packed& places, nlohmann::json& facts
   html += element_of(id, places.words);
 }
 
-/// A snapshot without the numbers of the particles, which are not for looking at.
+/// A snapshot without the numbers of the particles, which nobody looks at.
 Observation seen_in(const std::filesystem::path& snapshot) {
   Observation seen = read_snapshot(snapshot);
   std::erase_if(seen.fields, [](const Field& f) { return f.name == "id"; });
@@ -94,8 +94,8 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
   return instant;
 }
 
-/// The surfaces of solids as they stood at first, as points: next to each other a line, in space apart, so that one looks
-/// through between them.
+/// The surfaces of solids at the start, as points: close to each other along a line in 2D, apart in 3D, so that one sees
+/// the particles between them.
 nlohmann::json pack_solids(const Case& case_, std::string& html) {
   constexpr std::size_t most_points = 40'000;
   nlohmann::json solids = nlohmann::json::array();
@@ -115,7 +115,7 @@ nlohmann::json pack_solids(const Case& case_, std::string& html) {
   return solids;
 }
 
-/// Where a motion has brought a solid: the rows of x = R x_at_first + t, one after another.
+/// Pose of a solid at an instant: the rows of x = R x_at_start + t, one after another.
 nlohmann::json pose_of(const Solid& solid, double time) {
   const Pose pose = solid.motion.at(time);
   const Vec<3> shift = pose.centre + pose.displacement - pose.turned(pose.centre);

@@ -1,6 +1,6 @@
 #pragma once
-/// The particles of a run through time, as a part of a web page that needs nothing else: read back from the snapshots,
-/// packed for the browser, shown by report/viewer.js.
+/// The particles of a run in time, as a part of a web page that needs no other files: read back from the snapshots, packed
+/// for the browser, shown by report/viewer.js.
 
 #include <filesystem>
 #include <string>
@@ -13,7 +13,7 @@ namespace talus {
 /// Upper bound on the size of the packed particles in a page, roughly [bytes]; browsers open a page of this size in
 /// seconds.
 inline constexpr std::size_t viewer_budget = 100'000'000;
-/// Instants that are kept at least, if there are so many; then particles are left out instead.
+/// Least number of instants in a page, if the run has so many; beyond that, particles are left out.
 inline constexpr int fewest_instants = 8;
 
 /// The viewer of these snapshots and its data as HTML. Places are rounded to 1/65535 of the extent of an instant, values
