@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "per_item.hpp"
-#include "talus/mpm/transfer.hpp"
+#include "talus/mpm/kernel/transfer.hpp"
 
 namespace talus {
 namespace {
@@ -17,7 +17,9 @@ struct FullTile {
   static constexpr Index<Dim> place{};  ///< the tile's cells begin at the origin
 
   std::vector<FourPlaces<Dim>> fours;  ///< the particles, four at a time [cells]
-  NodeValue a[Layout::n_window], b[Layout::n_window];
+  MassVelocity velocity[Layout::n_window];
+  Acceleration acceleration[Layout::n_window];
+  ForceStiffness sums[Layout::n_window];
 
   FullTile() {
     std::mt19937_64 random(1);
@@ -25,13 +27,16 @@ struct FullTile {
     for (int c = 0; c < Layout::n_cells; ++c)
       for (int i = 0; i < power(2, Dim) / 4; ++i) {
         FourPlaces<Dim> x;
-        const Index<Dim> cell = Layout::unflatten(c, tile_edge);
+        const Index<Dim> cell = unflatten<Dim>(c, tile_edge);
         for (int axis = 0; axis < Dim; ++axis)
           for (int lane = 0; lane < 4; ++lane) x[axis].set(lane, cell[axis] + uniform(random));
         fours.push_back(x);
       }
-    for (NodeValue* nodes : {a, b})
-      for (int i = 0; i < Layout::n_window; ++i) nodes[i] = NodeValue(uniform(random));
+    for (int i = 0; i < Layout::n_window; ++i) {
+      velocity[i] = node_of<MassVelocity>(Quad(uniform(random)));
+      acceleration[i] = node_of<Acceleration>(Quad(uniform(random)));
+      sums[i] = node_of<ForceStiffness>(Quad(uniform(random)));
+    }
   }
 
   /// Times f(weights) for every particle.
@@ -52,8 +57,8 @@ template <int Dim, class Shape>
 void gather_gradient(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
   tile.time(timer, [&](const auto& w) {
-    NodeValue columns[Dim];
-    gradient(w, tile.a, columns);
+    Quad columns[Dim];
+    gradient(w, tile.velocity, columns);
     benchmark::DoNotOptimize(columns);
   });
 }
@@ -62,8 +67,8 @@ template <int Dim, class Shape>
 void interpolate_two(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
   tile.time(timer, [&](const auto& w) {
-    NodeValue at_a, at_b;
-    interpolate(w, tile.a, tile.b, at_a, at_b);
+    Quad at_a, at_b;
+    interpolate(w, tile.velocity, tile.acceleration, at_a, at_b);
     benchmark::DoNotOptimize(at_a);
     benchmark::DoNotOptimize(at_b);
   });
@@ -72,15 +77,15 @@ void interpolate_two(benchmark::State& timer) {
 template <int Dim, class Shape>
 void scatter_momentum(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
-  tile.time(timer, [&](const auto& w) { scatter(w, NodeValue(1e-9), tile.a); });
+  tile.time(timer, [&](const auto& w) { scatter(w, Quad(1e-9), tile.sums); });
 }
 
 template <int Dim, class Shape>
 void scatter_force(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
-  NodeValue flux[Dim];
-  for (NodeValue& column : flux) column = NodeValue(1e-9);
-  tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, NodeValue(1e-9), tile.a); });
+  Quad flux[Dim];
+  for (Quad& column : flux) column = Quad(1e-9);
+  tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, Quad(1e-9), tile.sums); });
 }
 
 const bool registered = [] {

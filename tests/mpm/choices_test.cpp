@@ -10,12 +10,10 @@
 #include <typeinfo>
 
 #include "mpm/cases.hpp"
-#include "mpm/shapes.hpp"
+#include "mpm/data/shapes.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
-#include "talus/mpm/transfer.hpp"
-#include "talus/mpm/update_stress.hpp"
 
 namespace talus {
 namespace {
@@ -39,8 +37,8 @@ std::string name_of(ShapeFunction s, Transfer t, Order o) {
 /// An elastic box with the particles' velocities given place by place.
 template <int Dim, class F>
 Body<Dim> moving_box(const LinearElastic& law, double density, const Vec<Dim>& min, const Vec<Dim>& max, double spacing,
-                     const ParticleExtras& extras, bool axisymmetric, F velocity) {
-  Body<Dim> body{"box", spacing, law, Particles<Dim>(state_size<LinearElastic>, extras), {}};
+                     const ParticleMemory& memory, bool axisymmetric, F velocity) {
+  Body<Dim> body{"box", spacing, law, Particles<Dim>(memory), {}};
   Index<Dim> n;
   int all = 1;
   for (int a = 0; a < Dim; ++a) all *= n[a] = int(std::lround((max[a] - min[a]) / spacing));
@@ -59,136 +57,13 @@ Body<Dim> moving_box(const LinearElastic& law, double density, const Vec<Dim>& m
     p.reference_volume()[i] = volume;
     p.id()[i] = i;
     set_state<LinearElastic>(p, i, {SymTensor<double>::zero(), 1});
-    if (extras.modulus) p.wave_modulus()[i] = volume * law.wave_modulus();
-    for (int c = 0; (extras.moment || extras.gradient) && c < Dim * Dim; ++c) p.affine(c / Dim, c % Dim)[i] = 0;
+    if (memory.modulus) p.wave_modulus()[i] = volume * law.wave_modulus();
+    for (int c = 0; (memory.moment || memory.gradient) && c < Dim * Dim; ++c) p.affine(c / Dim, c % Dim)[i] = 0;
   }
   return body;
 }
 
 // ---- transfers ---------------------------------------------------------------------------------------------------
-
-template <class Case>
-class AffineTransfers : public testing::Test {};
-template <int D, class S>
-struct Of {
-  static constexpr int dim = D;
-  using shape = S;
-};
-using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<2, UgimpOf<2>>, Of<3, Linear>,
-                             Of<3, Quadratic>, Of<3, Cubic>, Of<3, UgimpOf<3>>>;
-TYPED_TEST_SUITE(AffineTransfers, Kinds);
-
-/// Four places scattered in the first tile, and a node's place in a window.
-template <int Dim>
-FourPlaces<Dim> somewhere(std::mt19937& random) {
-  FourPlaces<Dim> x;
-  for (int a = 0; a < Dim; ++a)
-    for (int lane = 0; lane < 4; ++lane) x[a].set(lane, std::uniform_real_distribution<>(0, 4)(random));
-  return x;
-}
-template <int Dim, class Shape>
-Vec<Dim> place_of(int node) {
-  using Layout = TileLayout<Dim, Shape>;
-  Vec<Dim> x;
-  for (int a = 0; a < Dim; ++a) x[a] = Layout::unflatten(node, Layout::window_edge)[a] - Layout::below;
-  return x;
-}
-
-template <int Dim>
-const Domain<Dim> open_domain{{}, 1, {}, {}};
-
-TYPED_TEST(AffineTransfers, AMomentHandedToNodesIsWholeAndHasNoMomentum) {
-  // sum_I p_I = 0 and sum_I p_I (x_I - x)^T = B: what makes apic keep angular momentum, wherever the particle went
-  constexpr int Dim = TypeParam::dim;
-  using Shape = typename TypeParam::shape;
-  std::mt19937 random(3);
-  for (int trial = 0; trial < 20; ++trial) {
-    const FourPlaces<Dim> x = somewhere<Dim>(random);
-    const Shape shape;
-    const auto w =
-        with_arms<Arms::hand_moment>(FourWeights<Dim, Shape>(x, Index<Dim>{}, shape), x, shape, open_domain<Dim>);
-    for (int lane = 0; lane < 4; ++lane) {
-      std::vector<NodeValue> nodes(TileLayout<Dim, Shape>::n_window, NodeValue(0.0));
-      NodeValue B[Dim];
-      for (int b = 0; b < Dim; ++b)
-        for (int a = 0; a < 4; ++a) B[b].set(a, 1 + a + 10 * b);
-      scatter_gradient(ParticleWeights<Dim, Shape>{w, lane}, B, NodeValue(0.0), nodes.data());
-      for (int a = 0; a < Dim; ++a) {
-        double sum = 0, moment[3] = {0, 0, 0};
-        for (int n = 0; n < int(nodes.size()); ++n) {
-          sum += nodes[n][a];
-          for (int b = 0; b < Dim; ++b) moment[b] += nodes[n][a] * (place_of<Dim, Shape>(n)[b] - x[b][lane]);
-        }
-        EXPECT_NEAR(sum, 0, 1e-11);
-        for (int b = 0; b < Dim; ++b) EXPECT_NEAR(moment[b], 1 + a + 10 * b, 1e-10);
-      }
-    }
-  }
-}
-
-TYPED_TEST(AffineTransfers, ALinearVelocityReachesTheNodesExactlyByItsGradient) {
-  // tpic: p_I = sum m N (v + C (x_I - x)) with v = C x gives v_I = C x_I whatever particles there are
-  constexpr int Dim = TypeParam::dim;
-  using Shape = typename TypeParam::shape;
-  std::mt19937 random(4);
-  std::vector<NodeValue> nodes(TileLayout<Dim, Shape>::n_window, NodeValue(0.0));
-  const auto C = [](int a, int b) { return 1 + a - 2 * b + 0.5 * a * b; };
-  for (int trial = 0; trial < 10; ++trial) {
-    const FourPlaces<Dim> x = somewhere<Dim>(random);
-    const Shape shape;
-    const FourWeights<Dim, Shape> w(x, Index<Dim>{}, shape);
-    const auto arms = with_arms<Arms::hand_gradient>(w, x, shape, open_domain<Dim>);
-    for (int lane = 0; lane < 4; ++lane) {
-      const double mass = 1 + 0.1 * trial + lane;
-      NodeValue columns[Dim], momentum(0.0);
-      for (int b = 0; b < Dim; ++b) {
-        columns[b] = NodeValue(0.0);
-        for (int a = 0; a < Dim; ++a) {
-          columns[b].set(a, mass * C(a, b));
-          momentum.set(a, momentum[a] + mass * C(a, b) * x[b][lane]);
-        }
-      }
-      momentum.set(3, mass);
-      scatter(ParticleWeights<Dim, Shape>{w, lane}, momentum, nodes.data());
-      scatter_gradient(ParticleWeights<Dim, Shape>{arms, lane}, columns, NodeValue(0.0), nodes.data());
-    }
-  }
-  int reached = 0;
-  for (int n = 0; n < int(nodes.size()); ++n) {
-    if (!(nodes[n][3] > 1e-6)) continue;
-    ++reached;
-    for (int a = 0; a < Dim; ++a) {
-      double expected = 0;
-      for (int b = 0; b < Dim; ++b) expected += C(a, b) * place_of<Dim, Shape>(n)[b];
-      EXPECT_NEAR(nodes[n][a] / nodes[n][3], expected, 1e-9);
-    }
-  }
-  EXPECT_GT(reached, 10);
-}
-
-TEST(AffineTransfers, AtAWallThatRubsNodesGetTheLinearMotionToo) {
-  // A particle 0.3 cells above the wall gives its nodes -1, 0 and 1 N = 0.02, 0.66 and 0.32. Node -1 passes on what it is
-  // handed, twice to node 0 and taken once from node 1, which leaves hat functions, 0.7 and 0.3: their arms are 0.7 (0 -
-  // 0.3) and 0.3 (1 - 0.3). Likewise at the wall above.
-  const Wall rubs{WallKind::friction, 0.4};
-  Domain<2> domain{{0, 0}, 1, {4, 4}, {WallKind::open, WallKind::open, rubs, rubs}};
-  for (const bool below : {true, false}) {
-    FourPlaces<2> x;
-    x[0] = Quad(2.1);
-    x[1] = Quad(below ? 0.3 : 3.7);
-    const FourWeights<2, Quadratic> w(x, Index<2>{});
-    const auto gradient = with_arms<Arms::hand_gradient>(w, x, Quadratic(), domain);
-    const auto moment = with_arms<Arms::hand_moment>(w, x, Quadratic(), domain);
-    const int behind = below ? 0 : 2, in_front = 2 - behind;
-    const double up = below ? 1 : -1;
-    EXPECT_NEAR(gradient.dN[1][1][0] + 2 * gradient.dN[1][behind][0], up * 0.7 * -0.3, 1e-14);
-    EXPECT_NEAR(gradient.dN[1][in_front][0] - gradient.dN[1][behind][0], up * 0.3 * 0.7, 1e-14);
-    for (int i = 0; i < 3; ++i) EXPECT_NEAR(moment.dN[1][i][0], 4 * gradient.dN[1][i][0], 1e-13);
-    const auto collected = with_arms<Arms::collect_moment>(w, x, Quadratic(), domain);
-    for (int i = 0; i < 3; ++i)
-      EXPECT_NEAR(collected.dN[1][i][0], w.N[1][i][0] * up * ((below ? i : 2 - i) - 1.3), 1e-14);
-  }
-}
 
 TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
   // What particles and grid do not share is lost; but for 2 % of the energy turned over, which pure FLIP with hat
@@ -219,27 +94,15 @@ TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
     }
 }
 
-TEST(Transfers, TheSecondMomentOfSplinesIsAQuarterAndAThirdOfTheCellSquaredEverywhere) {
-  for (double x = 1; x < 2; x += 0.01) {
-    const auto q = Quadratic::at(x);
-    const auto c = Cubic::at(x);
-    double D2 = 0, D3 = 0;
-    for (int i = 0; i < 3; ++i) D2 += q.N[i] * (q.first + i - x) * (q.first + i - x);
-    for (int i = 0; i < 4; ++i) D3 += c.N[i] * (c.first + i - x) * (c.first + i - x);
-    EXPECT_NEAR(D2, 0.25, 1e-14);
-    EXPECT_NEAR(D3, 1.0 / 3, 1e-14);
-  }
-}
-
 /// Angular momentum about the origin at the start and after `steps` steps of an elastic block that turns freely.
 template <class Shape>
 std::pair<double, double> angular_momentum_of_a_turning_block(std::vector<Shape> shapes, const Numerics& numerics,
                                                               int steps) {
-  const ParticleExtras extras{numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
-                              numerics.order == Order::musl};
+  const ParticleMemory memory{state_size<LinearElastic>, numerics.transfer == Transfer::apic,
+                              numerics.transfer == Transfer::tpic, numerics.order == Order::musl};
   std::vector<Body<2>> bodies;
   bodies.push_back(
-      moving_box<2>(LinearElastic{1e5, 0.3}, 1000, {1.3, 1.2}, {1.9, 1.6}, 0.05, extras, false, [](const Vec<2>& x) {
+      moving_box<2>(LinearElastic{1e5, 0.3}, 1000, {1.3, 1.2}, {1.9, 1.6}, 0.05, memory, false, [](const Vec<2>& x) {
         return Vec<2>{-5 * (x[1] - 1.4), 5 * (x[0] - 1.6)};
       }));
   const auto loop = make_serial();
@@ -350,9 +213,9 @@ TEST(Order, AParticleThatBeginsToFallAboveAFloorIsStrainedAtOnceByMuslAndAStepLa
     n.transfer = Transfer::flip;
     n.order = order;
     n.dt = dt;
-    const ParticleExtras extras{false, false, order == Order::musl};
+    const ParticleMemory memory{state_size<LinearElastic>, false, false, order == Order::musl};
     std::vector<Body<2>> bodies;
-    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.0}, {0.55, 0.05}, 0.05, extras, false, [](const Vec<2>&) {
+    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.0}, {0.55, 0.05}, 0.05, memory, false, [](const Vec<2>&) {
       return Vec<2>{0, 0};
     }));
     const auto loop = make_serial();
@@ -393,44 +256,11 @@ TEST(Order, BothOrdersKeepTheEnergyOfTwoDisksThatBounce) {
   }
 }
 
-// ---- F-bar -------------------------------------------------------------------------------------------------------
-
-TEST(FBar, ParticlesOfACellShareTheirRateOfVolumeChangeAndKeepTheirShear) {
-  // Two particles in one cell, volumes 1 and 3, with tr L = 1 and 5: both are compressed as (1 + 3*5)/4 = 4 says. A
-  // third one in the next cell is left alone.
-  const LinearElastic law{1000, 0.25};
-  Particles<2> p(state_size<LinearElastic>);
-  p.resize(3);
-  const double places[3] = {0.2, 0.7, 1.5}, volumes[3] = {1, 3, 2}, rates[3] = {1, 5, 7};
-  Scratch s;
-  s.resize(3);
-  for (int i = 0; i < 3; ++i) {
-    p.position(0)[i] = places[i];
-    p.position(1)[i] = 0.5;
-    p.mass()[i] = 1;
-    p.reference_volume()[i] = volumes[i];
-    set_state<LinearElastic>(p, i, {SymTensor<double>::zero(), 1});
-    s.gradient[0][0][i] = rates[i];
-    s.gradient[0][1][i] = 0.5 * i;
-  }
-  const double dt = 1e-3, K = law.bulk_modulus(), G = law.shear_modulus();
-  TileSums sums;
-  update_stress<2>(law, p, {0, 3}, {{0, 0}, 1, {0, 0}}, {dt, {}, false, true}, s, sums);
-  const double mean[3] = {4, 4, 7};
-  for (int i = 0; i < 3; ++i) {
-    const auto stress = state_of<LinearElastic>(p, i).stress;
-    EXPECT_NEAR(pressure(stress), -K * dt * mean[i], 1e-12) << i;
-    EXPECT_NEAR(stress.xx - stress.yy, 2 * G * dt * rates[i], 1e-9) << i;
-  }
-  // all the work that the law saw is stored
-  EXPECT_NEAR(sums.internal_work, sums.elastic, 0.03 * sums.elastic);  // volumes grow by up to 1 % in the step
-}
-
 // ---- around an axis ----------------------------------------------------------------------------------------------
 
 /// A domain around an axis: the first axis is the radius.
 Domain<2> around_an_axis(double h, int n_r, int n_z) {
-  return {{0, 0}, h, {n_r, n_z}, {WallKind::slip, WallKind::open, WallKind::slip, WallKind::slip}, {}, true};
+  return {{0, 0}, h, {n_r, n_z}, {WallKind::slip, WallKind::open, WallKind::slip, WallKind::slip}, true};
 }
 
 TEST(Axisymmetric, AParticleThatMovesOutwardsIsStretchedAroundTheAxisAndPulledBack) {
@@ -444,9 +274,10 @@ TEST(Axisymmetric, AParticleThatMovesOutwardsIsStretchedAroundTheAxisAndPulledBa
   const auto check = [&](auto shape) {
     using Shape = decltype(shape);
     std::vector<Body<2>> bodies;
-    bodies.push_back(moving_box<2>(law, 1000, {0.5, 0.5}, {0.55, 0.55}, 0.05, {}, true, [&](const Vec<2>&) {
-      return Vec<2>{v, 0};
-    }));
+    bodies.push_back(
+        moving_box<2>(law, 1000, {0.5, 0.5}, {0.55, 0.55}, 0.05, {state_size<LinearElastic>}, true, [&](const Vec<2>&) {
+          return Vec<2>{v, 0};
+        }));
     const auto loop = make_serial();
     const auto s = make_stepper<2, Shape>(around_an_axis(0.1, 20, 20), std::move(bodies), std::vector<Shape>(1, shape),
                                           Vec<2>{0, 0}, n, *loop);
@@ -481,9 +312,9 @@ TEST(Axisymmetric, ASolidCylinderBreathesWithItsPeriod) {
     n.transfer = Transfer::flip;
     n.order = order;
     n.cfl = 0.5;
-    const ParticleExtras extras{false, false, order == Order::musl};
+    const ParticleMemory memory{state_size<LinearElastic>, false, false, order == Order::musl};
     std::vector<Body<2>> bodies;
-    bodies.push_back(moving_box<2>(law, 1000, {0, 0}, {R, 0.2}, 0.025, extras, true, [&](const Vec<2>& x) {
+    bodies.push_back(moving_box<2>(law, 1000, {0, 0}, {R, 0.2}, 0.025, memory, true, [&](const Vec<2>& x) {
       return Vec<2>{1e-3 * c * std::cyl_bessel_j(1, low * x[0] / R), 0};
     }));
     const auto loop = make_serial();

@@ -1,5 +1,7 @@
 /// Material takes the room of its volume, after all shear and after opening and closing.
 
+#include "talus/mpm/room.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -8,8 +10,7 @@
 
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
-#include "talus/mpm/boundary.hpp"
-#include "talus/mpm/shape.hpp"
+#include "talus/mpm/data/shape.hpp"
 
 namespace talus {
 namespace {

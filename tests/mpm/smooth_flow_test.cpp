@@ -7,7 +7,7 @@
 #include <functional>
 #include <numbers>
 
-#include "mpm/shapes.hpp"
+#include "mpm/data/shapes.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
@@ -22,7 +22,7 @@ constexpr double g = 9.81;
 template <class Law, class F>
 Body<2> moving_box(const Law& law, double density, double void_ratio, const Vec<2>& min, const Vec<2>& max,
                    double spacing, F velocity, const std::function<double(double)>& pressure = {}) {
-  Body<2> body{"box", spacing, law, Particles<2>(state_size<Law>), {}};
+  Body<2> body{"box", spacing, law, Particles<2>({state_size<Law>}), {}};
   const int nx = int(std::lround((max[0] - min[0]) / spacing)), ny = int(std::lround((max[1] - min[1]) / spacing));
   Particles<2>& p = body.particles;
   p.resize(nx * ny);

@@ -1,10 +1,10 @@
-#include "talus/mpm/shape.hpp"
+#include "talus/mpm/data/shape.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
-#include "mpm/shapes.hpp"
+#include "mpm/data/shapes.hpp"
 
 namespace talus {
 namespace {

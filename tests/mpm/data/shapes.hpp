@@ -1,7 +1,7 @@
 #pragma once
 /// All shape functions, each of one type with a default constructor, for tests that run over types.
 
-#include "talus/mpm/shape.hpp"
+#include "talus/mpm/data/shape.hpp"
 
 namespace talus {
 

@@ -1,6 +1,6 @@
 /// What the filter of particle velocities keeps and what it takes.
 
-#include "talus/mpm/affine_filter.hpp"
+#include "talus/mpm/stage/filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,9 @@
 #include <functional>
 #include <random>
 
-#include "mpm/shapes.hpp"
+#include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/mpm/arrangement.hpp"
 
 namespace talus {
 namespace {
@@ -19,48 +20,21 @@ using Places = std::vector<Vec<Dim>>;
 
 /// Particles of unit density in an open domain, or one with walls, that a share of 1 of the filter is applied to.
 template <int Dim, class Shape>
-struct Cloud {
-  static constexpr double h = 0.1;
-  Domain<Dim> domain{};
-  std::vector<Body<Dim>> bodies;
-  std::unique_ptr<Backend> loop = make_serial();
-
+class Cloud {
+ public:
   Cloud(const Places<Dim>& places, const std::function<Vec<Dim>(const Vec<Dim>&)>& velocity,
         const std::array<Wall, 2 * Dim>& walls = {}, double uneven = 0.5)
-      : uneven_(uneven) {
-    domain.h = h;
-    domain.walls = walls;
-    domain.n_cells.fill(16);
-    bodies.push_back({"cloud", h / 2, LinearElastic{1, 0}, Particles<Dim>(state_size<LinearElastic>), {}});
-    Particles<Dim>& p = bodies[0].particles;
-    p.resize(int(places.size()));
-    for (int i = 0; i < p.size(); ++i) {
-      const Vec<Dim> v = velocity(places[i]);
-      for (int a = 0; a < Dim; ++a) {
-        p.position(a)[i] = places[i][a];
-        p.velocity(a)[i] = v[a];
-      }
-      p.mass()[i] = mass_of(i);
-      p.reference_volume()[i] = 1;
-      p.id()[i] = i;
-      set_state<LinearElastic>(p, i, {SymTensor<double>::zero(), 1});
-    }
-  }
+      : uneven_(uneven), model_(model_of(places, velocity, walls)) {}
 
   void filter() {
-    Grid<Dim, Shape> grid;
-    put_in_cell_order(bodies, domain, grid, *loop);
-    const Boundary<Dim, Shape> boundary(domain, grid);
-    AffineFilter<Dim, Shape> filter(domain, std::vector<Shape>(1));
-    filter.gather_moments(bodies, grid, boundary, *loop);
-    for (int t = 0; t < grid.n_tiles(); ++t) filter.fit(t, 1e-12);
-    filter.extend_to_images(boundary, grid, *loop);
-    for (int t = 0; t < int(grid.cells().size()); ++t) filter.take_from_particles(bodies, grid, t, 1);
+    arrange(model_);
+    VelocityFilter<Dim, Shape> filter;
+    filter.apply(model_, {0, 0, 1, 1e-12}, 1);
   }
 
   /// By number, whatever the order in which the particles lie.
   std::vector<Vec<Dim>> velocities() const {
-    const Particles<Dim>& p = bodies[0].particles;
+    const Particles<Dim>& p = model_.bodies[0].particles;
     std::vector<Vec<Dim>> all(p.size());
     for (int i = 0; i < p.size(); ++i)
       for (int a = 0; a < Dim; ++a) all[int(p.id()[i])][a] = p.velocity(a)[i];
@@ -69,7 +43,29 @@ struct Cloud {
   double mass_of(int id) const { return 1 + uneven_ * std::sin(id); }
 
  private:
+  Model<Dim, Shape> model_of(const Places<Dim>& places, const std::function<Vec<Dim>(const Vec<Dim>&)>& velocity,
+                             const std::array<Wall, 2 * Dim>& walls) {
+    Domain<Dim> domain{};
+    domain.h = 0.1;
+    domain.walls = walls;
+    domain.n_cells.fill(16);
+    Particles<Dim> p = particles_at<Dim>(places, {state_size<LinearElastic>});
+    for (int i = 0; i < p.size(); ++i) {
+      const Vec<Dim> v = velocity(places[i]);
+      for (int a = 0; a < Dim; ++a) p.velocity(a)[i] = v[a];
+      p.mass()[i] = mass_of(i);
+      set_state<LinearElastic>(p, i, {SymTensor<double>::zero(), 1});
+    }
+    Numerics numerics;
+    numerics.transfer = Transfer::affine_tau;
+    std::vector<ShapedBody<Dim, Shape>> bodies;
+    bodies.push_back({{"cloud", 0.05, LinearElastic{1, 0}, std::move(p), {}}, Shape()});
+    return {domain, {}, std::move(bodies), {}, numerics, *backend_};
+  }
+
   double uneven_;
+  std::unique_ptr<Backend> backend_ = make_serial();
+  Model<Dim, Shape> model_;
 };
 
 /// As many places at random in a ball with an arm, so that there are edges, thin parts and single particles.
@@ -91,11 +87,6 @@ Places<Dim> clump(std::mt19937& random, int n) {
   return places;
 }
 
-template <int D, class S>
-struct Of {
-  static constexpr int dim = D;
-  using shape = S;
-};
 using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<2, UgimpOf<2>>, Of<3, Linear>,
                              Of<3, Quadratic>, Of<3, Cubic>>;
 template <class Kind>
