@@ -1,6 +1,6 @@
 /// talus: granular ground that fails, flows and comes to rest.
 ///
-/// All code stands in libtalus.so, which is built once for every processor and once for those with AVX2 and FMA; the
+/// All code stands in libtalus.so and libtalus_kernels.so. The latter is built for several kinds of processors; the
 /// dynamic loader takes the one that this machine can run.
 
 #include <unistd.h>

@@ -18,7 +18,8 @@ Body<Dim> make_body(const Case& what, int number, const Overburden& overburden, 
   const BodySpec& spec = what.bodies[number];
   const Material& material = what.materials[spec.material];
   const Filling filling = fill(what, spec);
-  const auto& [points, volumes] = filling;
+  const std::vector<Vec<3>>& points = filling.points;
+  const std::vector<double>& volumes = filling.volumes;
   if (points.empty())
     throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
   std::vector<SurfaceLoad> loads;
