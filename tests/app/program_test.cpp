@@ -294,10 +294,20 @@ rows = 4
 TEST_F(Program, AProcessorWithoutAVX2GetsTheBuildForAllProcessors) {
   if (!fs::exists(fs::path(TALUS_PROGRAM).parent_path() / "lib/glibc-hwcaps")) GTEST_SKIP() << "one build only";
   const std::string run = "run " + cases + "free_fall.toml --until \"10 ms\" --out ";
-  EXPECT_EQ(talus(run + in("here")).code, 0);
   EXPECT_EQ(talus(run + in("there"), "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX2").code, 0);
-  EXPECT_TRUE(has(contents(in("here") + "/record.json"), "x86-64-v3"));
   EXPECT_TRUE(has(contents(in("there") + "/record.json"), "baseline"));
+}
+
+TEST_F(Program, TheBuildsForAVX2AndAVX512GiveTheSameBits) {
+  if (!fs::exists(fs::path(TALUS_PROGRAM).parent_path() / "lib/glibc-hwcaps")) GTEST_SKIP() << "one build only";
+  if (!__builtin_cpu_supports("avx512f") || !__builtin_cpu_supports("avx512vl")) GTEST_SKIP() << "no AVX-512 here";
+  const std::string run = "run " + cases + "free_fall.toml --until \"10 ms\" --out ";
+  const std::string without = "GLIBC_TUNABLES=glibc.cpu.hwcaps=-AVX512F";
+  EXPECT_EQ(talus(run + in("here")).code, 0);
+  EXPECT_EQ(talus(run + in("there"), without).code, 0);
+  EXPECT_TRUE(has(contents(in("here") + "/record.json"), "x86-64-v4"));
+  EXPECT_TRUE(has(contents(in("there") + "/record.json"), "x86-64-v3"));
+  EXPECT_EQ(contents(in("here") + "/history.csv"), contents(in("there") + "/history.csv"));
 }
 
 TEST_F(Program, FiguresAreRemadeWithVerdictsPicturesAndTestsThatRunAgain) {

@@ -1,7 +1,7 @@
 /// talus: granular ground that fails, flows and comes to rest.
 ///
-/// All code is in libtalus.so, which is built once for every processor and once for those with AVX2 and FMA; the dynamic
-/// loader loads the one that this machine can run.
+/// All code stands in libtalus.so and libtalus_kernels.so. The latter is built for several kinds of processors; the
+/// dynamic loader takes the one that this machine can run.
 
 #include <unistd.h>
 

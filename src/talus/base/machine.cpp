@@ -5,8 +5,6 @@
 #include <string>
 #include <thread>
 
-#include "talus/base/portability.hpp"
-
 namespace talus {
 
 namespace {
@@ -27,7 +25,11 @@ std::string line_of(const char* path, const std::string& key) {
 
 std::string version() { return TALUS_VERSION; }
 
-std::string build() { return std::string("gcc ") + __VERSION__ + (has_fma ? ", x86-64-v3" : ", baseline"); }
+bool same_bits(std::string one_build, std::string other_build) {
+  for (std::string* name : {&one_build, &other_build})
+    if (const auto at = name->rfind(", x86-64-v4"); at != name->npos) name->back() = '3';
+  return one_build == other_build;
+}
 
 std::string processor() {
   const std::string name = line_of("/proc/cpuinfo", "model name");

@@ -7,8 +7,10 @@ namespace talus {
 
 /// Version of talus, such as "0.1.0 (a1b2c3d)".
 std::string version();
-/// Compiler and the instructions it was allowed to use.
+/// Compiler of the kernels that were loaded, and the instructions it was allowed to use.
 std::string build();
+/// Whether kernels of two builds give results with the same bits.
+bool same_bits(std::string one_build, std::string other_build);
 /// The processor's name.
 std::string processor();
 int n_processors();

@@ -13,6 +13,20 @@
 #define TALUS_HAS_FMA 0
 #endif
 
+#if defined(__clang__)
+#define TALUS_COMPILER __VERSION__
+#else
+#define TALUS_COMPILER "gcc " __VERSION__
+#endif
+
+#if defined(__AVX512F__)
+#define TALUS_INSTRUCTIONS "x86-64-v4"
+#elif TALUS_HAS_FMA
+#define TALUS_INSTRUCTIONS "x86-64-v3"
+#else
+#define TALUS_INSTRUCTIONS "baseline"
+#endif
+
 // Kernels take in all they call. Not under AddressSanitizer, which makes such functions take minutes to compile.
 #if defined(__SANITIZE_ADDRESS__) || defined(__CUDACC__)
 #define TALUS_FLATTEN
@@ -99,5 +113,9 @@ inline int sign_bits(FourMasks m) {
 /// Whether `a * b + c` is one rounding on the target. Everywhere else the compiler is told not to contract
 /// (`-ffp-contract=off`), so that scalar code and code for several particles at once give the same bits.
 inline constexpr bool has_fma = TALUS_HAS_FMA;
+
+/// What compiled this file, and the instructions it was allowed to use.
+inline constexpr const char* compiler = TALUS_COMPILER;
+inline constexpr const char* instructions = TALUS_INSTRUCTIONS;
 
 }  // namespace talus

@@ -267,14 +267,16 @@ inline std::span<const QuantityOf<MuI>> MuI::quantities() {
       {{"p_col", "Pa", 1, "mean collisional pressure"},
        [](const MuI&, const S& s, const D&, double* v) { *v = pressure(s.history.stress); }},
       {{"I", "1", 1, "inertial number (Eq. 16)"},
-       [](const MuI& l, const S& s, const D& d, double* v) { *v = l.observe(d, s.void_ratio, s.history.p_f).I; }},
+       [](const MuI& l, const S& s, const D& rate, double* v) { *v = l.observe(rate, s.void_ratio, s.history.p_f).I; }},
       {{"mu", "1", 1, "mu(I) (Eq. 16)"},
-       [](const MuI& l, const S& s, const D& d, double* v) { *v = l.observe(d, s.void_ratio, s.history.p_f).mu; }},
+       [](const MuI& l, const S& s, const D& rate, double* v) {
+         *v = l.observe(rate, s.void_ratio, s.history.p_f).mu;
+       }},
       {{"f_Phi", "kg/m", 1, "momentum exchange (Eq. 15)"},
        [](const MuI& l, const S& s, const D&, double* v) { *v = l.momentum_exchange(volume_fraction(s.void_ratio)); }},
       {{"viscosity", "Pa s", 1, "equivalent shear viscosity 2 f_Phi mu |g| (Fig. 23)"},
-       [](const MuI& l, const S& s, const D& d, double* v) {
-         *v = l.observe(d, s.void_ratio, s.history.p_f).viscosity;
+       [](const MuI& l, const S& s, const D& rate, double* v) {
+         *v = l.observe(rate, s.void_ratio, s.history.p_f).viscosity;
        }},
       {{"void_ratio", "1", 1, "volume of voids over volume of grains"},
        [](const MuI&, const S& s, const D&, double* v) { *v = s.void_ratio; }},

@@ -99,7 +99,7 @@ SavedRun read(const fs::path& file) {
     if (name == run_so_far) {
       const auto json = nlohmann::json::parse(values);
       for (const auto& [key, mine] : {std::pair{"version", version()}, std::pair{"build", build()}})
-        if (const std::string its = json.at(key); its != mine)
+        if (const std::string its = json.at(key); !same_bits(its, mine))
           throw std::runtime_error(
               fmt::format("the run was begun by {} {}, and this is {}: another one may give other bits",
                           key == std::string_view("version") ? "talus" : "the build", its, mine));

@@ -97,9 +97,9 @@ bool is_finished(const std::filesystem::path& folder, const std::string& case_te
   for (const char* name : {"record.json", "case.toml", "history.csv", "surface.csv"})
     if (!std::filesystem::exists(folder / name)) return false;
   const auto record = nlohmann::json::parse(contents_of(folder / "record.json"), nullptr, false);
-  return record.is_object() && record.value("talus", "") == version() && record.value("build", "") == build() &&
-         record.contains("run") && record["run"].value("outcome", "") == "finished" &&
-         contents_of(folder / "case.toml") == case_text;
+  return record.is_object() && record.value("talus", "") == version() &&
+         same_bits(record.value("build", ""), build()) && record.contains("run") &&
+         record["run"].value("outcome", "") == "finished" && contents_of(folder / "case.toml") == case_text;
 }
 
 }  // namespace talus
