@@ -49,5 +49,97 @@ TEST(Contact, WhereStressHasPressedMaterialIsHeldWhateverTheMeanVelocityAroundIt
   EXPECT_EQ(at_start(c, {3, 2, 0}), (Vec<3>{5, 1, 0})) << "shears on the surface";
 }
 
+// ---- all contacts of a tile, on one node ----------------------------------------------------------------------------
+
+const Mirrors<2> no_walls(unit_cells<2>(8));
+constexpr int at_1_2 = 1 + 4 * 2;
+
+TEST(ContactKernel, WhatMomentumWouldBringThroughIsStoppedAndTheParticlesFeelTheirShare) {
+  // Mass 2 at (3, -4) meets a floor at rest: (3, 0) is left, 16 J are gone, and a quarter of 4 m/s is felt.
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, -4, 0, 2));
+  TileSums sums;
+  meet_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.25, velocity.data(), sums);
+  EXPECT_EQ(velocity.at({1, 2}).velocity, (Vec<3>{3, 0, 0}));
+  EXPECT_EQ(velocity.at({1, 2}).mass, 2);
+  EXPECT_EQ(velocity.at({2, 2}).velocity, (Vec<3>{3, -4, 0})) << "no other node";
+  EXPECT_TRUE(contact.holds);
+  EXPECT_EQ(contact.pressed, 1);
+  EXPECT_EQ(sums[Sum::held_kinetic], -16);
+  EXPECT_EQ(sums[Sum::wall_work], 0);
+}
+
+TEST(ContactKernel, AMovingSurfaceWorksOnWhatItMeets) {
+  // The floor comes up at 1 m/s: the change of (0, 5) times mass 2, velocity 1 and the share felt.
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}, {0, 1, 0}};
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, -4, 0, 2));
+  TileSums sums;
+  meet_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.25, velocity.data(), sums);
+  EXPECT_EQ(velocity.at({1, 2}).velocity, (Vec<3>{3, 1, 0}));
+  EXPECT_EQ(sums[Sum::wall_work], 2.5);
+}
+
+TEST(ContactKernel, WhatLeavesIsNotHeld) {
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, 4, 0, 2));
+  TileSums sums;
+  meet_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 1, velocity.data(), sums);
+  EXPECT_FALSE(contact.holds);
+  EXPECT_EQ(velocity.at({1, 2}).velocity, (Vec<3>{3, 4, 0}));
+  EXPECT_EQ(contact.pressed, 0);
+}
+
+TEST(ContactKernel, WhereMostOfTheImpulseIsFeltNothingSticks) {
+  for (const double felt : {0.25, 0.75}) {
+    NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+    contact.closed = contact.sticks = true;
+    NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, 4, 0, 2));
+    TileSums sums;
+    meet_surfaces<2>({&contact, 1}, {0, 0}, no_walls, felt, velocity.data(), sums);
+    EXPECT_EQ(velocity.at({1, 2}).velocity, felt < 0.5 ? (Vec<3>{0, 0, 0}) : (Vec<3>{3, 0, 0}));
+  }
+}
+
+TEST(ContactKernel, FrictionTurnsIntoHeatWhatItTakesOverTheWayThatTheNodeSlides) {
+  // Mass 2 at (3, 0) is pressed by 8 N, and would come to (3, -2): friction 0.5 takes 1 m/s. The impulse is
+  // 2 (-1, 2); over the mean sliding of 2.5 m/s that is 5 J of heat.
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+  NodesOfTile<2, ForceStiffness> force(node<ForceStiffness>(0, -8, 0, 0));
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, 0, 0, 2)), new_velocity(node<MassVelocity>(3, -2, 0, 2));
+  NodesOfTile<2, Acceleration> acceleration(node<Acceleration>(rubbish, rubbish, rubbish, rubbish));
+  TileSums sums;
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, Quad(0.0), force.data(), velocity.data(),
+                     new_velocity.data(), acceleration.data(), sums);
+  EXPECT_EQ(new_velocity.at({1, 2}).velocity, (Vec<3>{2, 0, 0}));
+  EXPECT_EQ(contact.impulse, (Vec<3>{-2, 4, 0}));
+  EXPECT_NEAR(acceleration.at({1, 2}).acceleration[0], -10, 1e-14);
+  EXPECT_EQ(sums[Sum::new_kinetic], 4 - 13) << "J";
+  EXPECT_EQ(sums[Sum::wall_friction], 5);
+  EXPECT_NEAR(sums[Sum::grid_work], 0.5 * 0.1 * 8 * 2, 1e-15) << "the node is not moved by the force that pressed";
+  EXPECT_TRUE(contact.closed) << "stress presses";
+  EXPECT_FALSE(contact.sticks) << "but friction does not hold";
+}
+
+TEST(ContactKernel, WhereFrictionHoldsTheContactSticks) {
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+  NodesOfTile<2, ForceStiffness> force(node<ForceStiffness>(0, -8, 0, 0));
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(0, 0, 0, 2)),
+      new_velocity(node<MassVelocity>(0.5, -2, 0, 2));
+  NodesOfTile<2, Acceleration> acceleration(node<Acceleration>(0, 0, 0, 0));
+  TileSums sums;
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, Quad(0.0), force.data(), velocity.data(),
+                     new_velocity.data(), acceleration.data(), sums);
+  EXPECT_EQ(new_velocity.at({1, 2}).velocity, (Vec<3>{0, 0, 0}));
+  EXPECT_TRUE(contact.closed);
+  EXPECT_TRUE(contact.sticks);
+  // With a force that pulls nothing is closed, whatever velocity came.
+  force.at({1, 2}) = node<ForceStiffness>(0, 1, 0, 0);
+  new_velocity.at({1, 2}) = node<MassVelocity>(0.5, -2, 0, 2);
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, Quad(0.0), force.data(), velocity.data(),
+                     new_velocity.data(), acceleration.data(), sums);
+  EXPECT_FALSE(contact.closed);
+  EXPECT_FALSE(contact.sticks);
+}
+
 }  // namespace
 }  // namespace talus

@@ -28,6 +28,200 @@ ScratchView scratch_of(Scratch& scratch, int n) {
   return s;
 }
 
+// ---- one particle ------------------------------------------------------------------------------------------------
+
+TEST(Stress, OfAnElasticParticleThatIsStretchedByHand) {
+  // E = 1000, nu = 1/4: K + 4/3 G = 1200, K - 2/3 G = 400. A strain of 1/1000 along x; volume 2 e^0.001.
+  const LinearElastic law{1000, 0.25};
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<LinearElastic>});
+  p.reference_volume()[0] = 2;
+  p.mass()[0] = 8;
+  set_state<LinearElastic>(p, 0, {SymTensor<double>::zero(), 1});
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  s.gradient[0][0][0] = 0.1;
+  TileSums sums;
+  update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false}, s, sums);
+  const double volume = 2 * std::exp(1e-3), density = 0.5 * 1.2 * 1e-3;
+  EXPECT_NEAR(s.flux[0][0], volume * 1.2, 1e-14);
+  EXPECT_NEAR(s.flux[1][0], volume * 0.4, 1e-14);
+  EXPECT_NEAR(s.flux[2][0], volume * 0.4, 1e-14) << "plane strain presses across";
+  for (int c = 3; c < 6; ++c) EXPECT_EQ(s.flux[c][0], 0);
+  EXPECT_NEAR(s.stiffness[0], volume * 1200, 1e-10);
+  EXPECT_NEAR(sums[Sum::elastic], volume * density, 1e-15);
+  EXPECT_NEAR(sums[Sum::internal_work], volume * density, 1e-5 * density) << "but for the volume that grew on the way";
+  EXPECT_EQ(sums[Sum::separated], 0);
+  EXPECT_EQ(sums[Sum::faulty], 0);
+  EXPECT_NEAR(state_of<LinearElastic>(p, 0).volume_ratio, std::exp(1e-3), 1e-15);
+}
+
+TEST(Stress, TurnsWithTheMaterial) {
+  // Turned by a right angle in 1000 steps of pure spin: what pressed along x presses along y.
+  const LinearElastic law{1000, 0.25};
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<LinearElastic>});
+  auto pressed = SymTensor<double>::zero();
+  pressed.xx = -10;
+  set_state<LinearElastic>(p, 0, {pressed, 1});
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  s.gradient[0][1][0] = -std::acos(-1) / 2;
+  s.gradient[1][0][0] = std::acos(-1) / 2;
+  TileSums sums;
+  for (int i = 0; i < 1000; ++i)
+    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {1e-3, {}, false, false}, s, sums);
+  EXPECT_NEAR(s.flux[0][0], 0, 1e-4);
+  EXPECT_NEAR(s.flux[1][0], -10, 1e-4);
+}
+
+TEST(Stress, OfAFluidTheViscosityCountsOverItsDensityWhereItIsClosed) {
+  // The law states 2 eta = 6 Pa s: over 8 kg in 2 m3 that is 1.5 m2/s. What has opened has none and is separated.
+  const NewtonianFluid law{1000, 3};
+  for (const double compression : {1e-12, -1e-3}) {
+    auto p = particles_at<2>({{0.5, 0.5}}, {state_size<NewtonianFluid>});
+    p.reference_volume()[0] = 2;
+    p.mass()[0] = 8;
+    set_state<NewtonianFluid>(p, 0, {SymTensor<double>::zero(), compression});
+    Scratch scratch;
+    const ScratchView s = scratch_of(scratch, 1);
+    TileSums sums;
+    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false}, s, sums);
+    EXPECT_NEAR(sums[Most::viscosity], compression > 0 ? 1.5 : 0, 1e-11);
+    EXPECT_EQ(sums[Sum::separated], compression > 0 ? 0 : 1);
+  }
+}
+
+TEST(Stress, WhatIsNotFiniteIsAFinding) {
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<LinearElastic>});
+  set_state<LinearElastic>(p, 0, {SymTensor<double>::zero(), 1});
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  s.gradient[0][0][0] = std::nan("");
+  TileSums sums;
+  update_stress<double, false>(LinearElastic{1000, 0.25}, p.view(), {0, 1}, unit_cells_of_tile, {1, {}, false, false},
+                               s, sums);
+  EXPECT_EQ(sums[Sum::faulty], 1);
+}
+
+TEST(Stress, AsItIsIsVolumeTimesStressOfTheState) {
+  const LinearElastic law{1000, 0.25};
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<LinearElastic>});
+  p.reference_volume()[0] = 2;
+  set_state<LinearElastic>(p, 0, {{1, 2, 3, 4, 5, 6}, 1.5});
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  present_stress<double>(law, p.view(), {0, 1}, s);
+  for (int c = 0; c < 6; ++c) EXPECT_EQ(s.flux[c][0], 3.0 * (c + 1)) << c;
+  present_volumes<double>(law, p.view(), {0, 1}, s);
+  EXPECT_EQ(s.volume[0], 3);
+}
+
+// ---- packs -------------------------------------------------------------------------------------------------------
+
+/// Eleven particles of a law, a pack and three, in three cells, in a motion of their own each.
+template <class Law>
+struct Eleven {
+  Particles<2> p;
+  Scratch scratch;
+  ScratchView s;
+  TileSums sums;
+
+  Eleven(const Law& law, double p0)
+      : p(particles_at<2>(std::vector<Vec<2>>(11), {state_size<Law>})), s(scratch_of(scratch, 11)) {
+    for (int i = 0; i < 11; ++i) {
+      p.position(0)[i] = 0.3 * i;
+      p.position(1)[i] = 0.5;
+      p.reference_volume()[i] = 1 + 0.1 * i;
+      set_state<Law>(p, i, isotropic_state(law, p0 * (1 + 0.2 * i), 0.8));
+      for (int a = 0; a < 2; ++a)
+        for (int b = 0; b < 2; ++b) s.gradient[a][b][i] = 0.01 * std::sin(1 + i + 3 * a + 7 * b);
+    }
+  }
+};
+
+template <class Law>
+void expect_packs_have_the_bits_of_one(const Law& law, double p0) {
+  for (const bool average : {false, true})
+    for (const bool f_bar : {false, true}) {
+      Eleven<Law> one(law, p0), pack(law, p0);
+      const StressUpdate how{1e-3, {}, average, f_bar};
+      if (f_bar) {
+        update_stress<double, true>(law, one.p.view(), {0, 11}, unit_cells_of_tile, how, one.s, one.sums);
+        update_stress<Pack, true>(law, pack.p.view(), {0, 11}, unit_cells_of_tile, how, pack.s, pack.sums);
+      } else {
+        update_stress<double, false>(law, one.p.view(), {0, 11}, unit_cells_of_tile, how, one.s, one.sums);
+        update_stress<Pack, false>(law, pack.p.view(), {0, 11}, unit_cells_of_tile, how, pack.s, pack.sums);
+      }
+      for (int i = 0; i < 11; ++i) {
+        for (int k = 0; k < state_size<Law>; ++k)
+          EXPECT_EQ(one.p.state(k)[i], pack.p.state(k)[i]) << Law::name << " state " << k;
+        for (int c = 0; c < 6; ++c) EXPECT_EQ(one.s.flux[c][i], pack.s.flux[c][i]) << Law::name;
+        EXPECT_EQ(one.s.stiffness[i], pack.s.stiffness[i]) << Law::name;
+      }
+      for (const Sum sum : {Sum::elastic, Sum::averaging, Sum::internal_work, Sum::plastic_work, Sum::separated,
+                            Sum::unconverged, Sum::faulty})
+        EXPECT_NEAR(one.sums[sum], pack.sums[sum], 1e-12 * std::abs(one.sums[sum])) << Law::name << int(sum);
+      EXPECT_EQ(one.sums[Most::viscosity], pack.sums[Most::viscosity]);
+    }
+}
+
+TEST(Stress, APackHasTheBitsOfItsParticlesOneByOne) {
+  expect_packs_have_the_bits_of_one(case_1(), 1e4);
+  expect_packs_have_the_bits_of_one(case_1_sand(), 1e4);
+  expect_packs_have_the_bits_of_one(LinearElastic{1e6, 0.3}, 1e4);
+  expect_packs_have_the_bits_of_one(NewtonianFluid{1e6, 3}, 1e4);
+}
+
+// ---- means over a cell -------------------------------------------------------------------------------------------
+
+TEST(MeansOverCells, CellsAreCountedInTheTileAndPlacesBesideItAreInItsNearest) {
+  const CellFinder<2> cells{{1, 1}, 2, {1, 0}};  // cells of half a metre from (1, 1): the tile spans x 3 to 5, y 1 to 3
+  FourPlaces<2> x;
+  const double at[4][2] = {{3.1, 1.1}, {4.9, 2.6}, {2.95, 1.6}, {5.1, 3.05}};
+  for (int lane = 0; lane < 4; ++lane)
+    for (int a = 0; a < 2; ++a) x[a].set(lane, at[lane][a]);
+  const Quad cell = cells.at(x);
+  EXPECT_EQ(cell[0], 0);
+  EXPECT_EQ(cell[1], 3 + 4 * 3);
+  EXPECT_EQ(cell[2], 0 + 4 * 1);
+  EXPECT_EQ(cell[3], 3 + 4 * 3);
+}
+
+TEST(MeansOverCells, ParticlesOfACellShareTheirCompressionWeightedWithTheirVolumes) {
+  // Two at 10 and 40 kPa in one cell, volumes 1 and 3, one at 90 kPa alone. Nothing moves.
+  const Simsand law = case_1_sand();
+  auto p = particles_at<2>({{0.2, 0.5}, {0.7, 0.5}, {1.5, 0.5}}, {state_size<Simsand>});
+  const double pressures[3] = {1e4, 4e4, 9e4}, volumes[3] = {1, 3, 2};
+  double x[3], energy = 0;
+  for (int i = 0; i < 3; ++i) {
+    const auto state = isotropic_state(law, pressures[i], 0.8);
+    p.reference_volume()[i] = volumes[i] / law.specific_volume(state);
+    x[i] = Simsand::compression(state);
+    energy += volumes[i] * law.elastic_energy(state);
+    set_state<Simsand>(p, i, state);
+  }
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 3);
+  TileSums sums;
+  update_stress<double, false>(law, p.view(), {0, 3}, unit_cells_of_tile, {1e-3, {}, true, false}, s, sums);
+  const double mean = (1 * x[0] + 3 * x[1]) / 4;
+  EXPECT_NEAR(Simsand::compression(state_of<Simsand>(p, 0)), mean, 1e-12 * mean);
+  EXPECT_NEAR(Simsand::compression(state_of<Simsand>(p, 1)), mean, 1e-12 * mean);
+  EXPECT_NEAR(Simsand::compression(state_of<Simsand>(p, 2)), x[2], 1e-12 * x[2]);
+  EXPECT_NEAR(sums[Sum::elastic] + sums[Sum::averaging], energy, 1e-12 * energy);
+  EXPECT_GT(sums[Sum::averaging], 0);
+}
+
+TEST(MeansOverCells, WhatHasOpenedCountsByTheRoomThatClosesIt) {
+  // a (e^(x/a) - 1) where it has opened, and back; what is pressed counts as it is
+  const Simsand law = case_1_sand();
+  const double a = law.growth_in_gap();
+  EXPECT_EQ(detail::share_of_mean(law, 0.3), 0.3);
+  EXPECT_NEAR(detail::share_of_mean(law, -0.5 * a), a * (std::exp(-0.5) - 1), 1e-15);
+  for (const double x : {0.2, 0.0, -0.1 * a, -2 * a})
+    EXPECT_NEAR(detail::compression_of_mean(law, detail::share_of_mean(law, x)), x, 1e-14);
+  EXPECT_LT(detail::compression_of_mean(law, -1.5 * a), -100 * a) << "more than there is room for: wide open, finite";
+}
+
 TEST(FBar, ParticlesOfACellShareTheirRateOfVolumeChangeAndKeepTheirShear) {
   // Two particles in one cell, volumes 1 and 3, with tr L = 1 and 5: both are compressed as (1 + 3*5)/4 = 4 says. A
   // third one in the next cell is left alone.

@@ -12,6 +12,28 @@
 namespace talus {
 namespace {
 
+TEST(FourWeights, FindTheFirstNodeInTheWindowOfTheirTile) {
+  // At (9.25, 2.5) in the tile (2, 0), nodes (9, 2) and on: (1, 2) in the tile, (2, 3) in a window of edge 7.
+  const FourWeights<2, Linear> w({Quad(9.25), Quad(2.5)}, {2, 0});
+  for (int lane = 0; lane < 4; ++lane) {
+    EXPECT_EQ(w.first[lane], 2 + 7 * 3);
+    EXPECT_EQ(w.N[0][0][lane], 0.75);
+    EXPECT_EQ(w.N[1][1][lane], 0.5);
+    EXPECT_EQ(w.dN[0][0][lane], -1);
+  }
+}
+
+TEST(FourWeights, OfParticlesAreThoseOfTheirPlacesInCells) {
+  auto p = particles_at<2>({{0, 0}, {0.625, 1.25}});
+  Domain<2> domain = unit_cells<2>(8);
+  domain.h = 0.5;
+  const auto w = weights_of(all_in_one_tile<Linear>(p), domain, 1, 1);
+  const ParticleWeights<2, Linear> one{w, 0};
+  EXPECT_EQ(one.first(), 2 + 7 * 3);
+  EXPECT_EQ(one.N(0, 0), 0.75);
+  EXPECT_EQ(one.dN(1, 1), 1);
+}
+
 template <class Kind>
 class AffineTransfers : public testing::Test {};
 using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<2, UgimpOf<2>>, Of<3, Linear>,

@@ -8,6 +8,7 @@
 
 #include "talus/base/columns.hpp"
 #include "talus/law/law.hpp"
+#include "talus/math/lanes.hpp"
 #include "talus/mpm/data/domain.hpp"
 
 namespace talus {

@@ -62,12 +62,14 @@ TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles,
 /// was; means of x itself would lose room with every gap that opens in a cell and closes.
 template <Number R, class Law>
 TALUS_HD R share_of_mean(const Law& law, R x) {
+  using talus::select;  // laws have others in `detail`
   const R zero(0.0), a(law.growth_in_gap());
   if (!any(x < zero)) return x;
   return select(x < zero, a * (exp(min(x, zero) / a) - R(1.0)), x);
 }
 template <Number R, class Law>
 TALUS_HD R compression_of_mean(const Law& law, R mean) {
+  using talus::select;
   const R zero(0.0), a(law.growth_in_gap());
   if (!any(mean < zero)) return mean;
   return select(mean < zero, a * log(max(R(1.0) + min(mean, zero) / a, R(1e-300))), mean);

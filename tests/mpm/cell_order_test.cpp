@@ -1,0 +1,73 @@
+/// The order of particles by tiles and cells.
+
+#include "talus/mpm/cell_order.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mpm/by_hand.hpp"
+#include "talus/backend/backend.hpp"
+
+namespace talus {
+namespace {
+
+std::vector<Body<2>> bodies_at(const std::vector<std::vector<Vec<2>>>& places) {
+  std::vector<Body<2>> bodies;
+  for (const auto& of_body : places) bodies.push_back({"", 1, LinearElastic{1, 0}, particles_at<2>(of_body), {}});
+  return bodies;
+}
+std::vector<double> ids(const Body<2>& body) {
+  return {body.particles.id(), body.particles.id() + body.particles.size()};
+}
+
+TEST(CellOrder, TheLastAxisIsSlowest) {
+  EXPECT_TRUE((is_earlier<2>({5, 0}, {0, 1})));
+  EXPECT_TRUE((is_earlier<2>({0, 1}, {5, 1})));
+  EXPECT_FALSE((is_earlier<2>({5, 1}, {5, 1})));
+}
+
+TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
+  const auto bodies = bodies_at({{{5, 5}, {0.5, 0.5}, {5.5, 5.5}}, {{5, 0.5}, {-0.5, 0.5}, {5, 5}}});
+  const auto tiles = occupied_tiles(bodies, unit_cells<2>(8));
+  EXPECT_EQ(tiles.places, (std::vector<Index<2>>{{-1, 0}, {0, 0}, {1, 0}, {1, 1}}));
+  EXPECT_EQ(tiles.n_particles, (std::vector<long>{1, 1, 1, 3}));
+  EXPECT_EQ(tiles.find({1, 0}), 2);
+}
+
+TEST(CellOrder, ParticlesAreSortedByTileThenByCellAndWithinOneTheyKeepTheirOrder) {
+  // Tile (0, 0): cell (0, 1) holds 3, cell (1, 0) holds 1 and 4; tile (1, 0): 0 and 2 in one cell.
+  auto bodies = bodies_at({{{4.5, 0.5}, {1.5, 0.5}, {4.2, 0.9}, {0.5, 1.5}, {1.1, 0.1}}, {{5.5, 2.5}}});
+  for (auto& body : bodies)
+    for (int i = 0; i < body.particles.size(); ++i) body.particles.mass()[i] = 10 + body.particles.id()[i];
+  const Domain<2> domain = unit_cells<2>(8);
+  const auto ranges = sort_by_cell(bodies, domain, occupied_tiles(bodies, domain), *make_serial());
+  EXPECT_EQ(ids(bodies[0]), (std::vector<double>{1, 4, 3, 0, 2}));
+  for (int i = 0; i < 5; ++i)
+    EXPECT_EQ(bodies[0].particles.mass()[i], 10 + bodies[0].particles.id()[i]) << "all columns";
+  ASSERT_EQ(bodies[0].tiles.size(), 2u);
+  EXPECT_EQ(bodies[0].tiles[0].begin, 0);
+  EXPECT_EQ(bodies[0].tiles[0].end, 3);
+  EXPECT_EQ(bodies[0].tiles[1].end, 5);
+  EXPECT_EQ(bodies[1].tiles[0].size(), 0) << "nothing of the second body";
+  EXPECT_EQ(bodies[1].tiles[1].size(), 1);
+  // The cells that hold particles of either body, from the lowest to the highest along each axis.
+  EXPECT_EQ(ranges[0].low, (Index<2>{0, 0}));
+  EXPECT_EQ(ranges[0].high, (Index<2>{1, 1}));
+  EXPECT_EQ(ranges[1].low, (Index<2>{0, 0}));
+  EXPECT_EQ(ranges[1].high, (Index<2>{1, 2}));
+}
+
+TEST(CellOrder, ParticlesComeRoundAlongPeriodicAxes) {
+  Domain<2> domain = unit_cells<2>(8);
+  domain.walls[0] = domain.walls[1] = WallKind::periodic;
+  auto bodies = bodies_at({{{8.25, 8.25}, {-0.25, -0.25}, {8, 4}, {3, 3}}});
+  wrap_periodic(bodies, domain);
+  const Particles<2>& p = bodies[0].particles;
+  EXPECT_EQ(p.position(0)[0], 0.25);
+  EXPECT_EQ(p.position(0)[1], 7.75);
+  EXPECT_EQ(p.position(0)[2], 0);
+  EXPECT_EQ(p.position(0)[3], 3);
+  EXPECT_EQ(p.position(1)[0], 8.25) << "the other axis has ends";
+}
+
+}  // namespace
+}  // namespace talus

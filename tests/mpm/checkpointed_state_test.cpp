@@ -1,0 +1,100 @@
+/// What a run hands out so that it can go on.
+
+#include "talus/mpm/checkpointed_state.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <span>
+
+#include "mpm/small_model.hpp"
+
+namespace talus {
+namespace {
+
+using Saved = std::map<std::string, std::vector<double>>;
+
+/// A model of three particles on a floor that rubs, which has been through something.
+struct Used {
+  SmallModel<> small;
+  Ledger ledger;
+  StepTally tally;
+  Carried carried;
+
+  Used() : small(floor(), {{9.5, 1}, {1.5, 1.5}, {1.25, 1.5}}) { arrange(small.model); }
+
+  static Domain<2> floor() {
+    Domain<2> domain = unit_cells<2>(16);
+    domain.walls[2] = Wall(WallKind::friction, 0.5, true);
+    return domain;
+  }
+  Saved save() const {
+    Saved all;
+    talus::save(small.model, ledger, tally, carried, [&](const std::string& name, std::span<const double> values) {
+      EXPECT_TRUE(all.emplace(name, std::vector<double>(values.begin(), values.end())).second) << name << " twice";
+    });
+    return all;
+  }
+  void restore(const Saved& saved) {
+    talus::restore(small.model, ledger, tally, carried, [&](const std::string& name) { return saved.at(name); });
+  }
+};
+
+TEST(CheckpointedState, IsEveryColumnOfEveryBodyTheTilesAndTheLedger) {
+  Used run;
+  run.ledger.step = 7;
+  run.carried.drift = 0.05;
+  const Saved saved = run.save();
+  EXPECT_EQ(saved.at("ledger"), image_of(run.ledger));
+  EXPECT_EQ(saved.at("carried")[0], 0.05);
+  EXPECT_EQ(saved.at("tiles"), (std::vector<double>{0, 0, 1, 1, 1, 1, 2, 0, 1, 1, 1, 1}))
+      << "place, first and last cell";
+  EXPECT_EQ(saved.at("body 0: first particles of tiles"), (std::vector<double>{0, 2}));
+  EXPECT_EQ(saved.at("body 0: id 0"), (std::vector<double>{1, 2, 0})) << "in the order they lie in";
+  EXPECT_EQ(saved.at("body 0: position 0"), (std::vector<double>{1.5, 1.25, 9.5}));
+  EXPECT_TRUE(saved.at("closed contacts").empty());
+  const int n_columns = run.small.particles().layout().n_columns();
+  EXPECT_EQ(int(saved.size()), 5 + 1 + n_columns);
+}
+
+TEST(CheckpointedState, ARunOfTheSameCaseGoesOnFromIt) {
+  Used run, other;
+  run.ledger.kinetic = 3;
+  run.tally.longest = 2;
+  run.carried.last_dt = 0.25;
+  run.small.particles().velocity(0)[2] = 4;
+  NodeContact closed{6, {}, {}};
+  closed.number = 2;
+  closed.closed = closed.sticks = true;
+  run.small.model.contacts[1].push_back(closed);
+  const Saved saved = run.save();
+  EXPECT_EQ(saved.at("closed contacts"), (std::vector<double>{1, 6, 2, 1}));
+  other.restore(saved);
+  EXPECT_EQ(other.ledger.kinetic, 3);
+  EXPECT_EQ(other.tally.longest, 2);
+  EXPECT_EQ(other.carried.last_dt, 0.25);
+  EXPECT_EQ(other.small.particles().velocity(0)[2], 4);
+  ASSERT_EQ(other.small.model.contacts[1].size(), 1u);
+  EXPECT_TRUE(other.small.model.contacts[1][0].sticks);
+  EXPECT_EQ(other.save(), saved);
+}
+
+TEST(CheckpointedState, OfAnotherRunIsRefused) {
+  Used run;
+  Saved saved = run.save();
+  saved.at("body 0: mass 0").pop_back();
+  EXPECT_THROW(run.restore(saved), std::runtime_error);
+  saved = run.save();
+  saved.at("ledger").pop_back();
+  EXPECT_THROW(run.restore(saved), std::runtime_error);
+  saved = run.save();
+  for (auto& [name, values] : saved)
+    if (name.starts_with("body 0: ") && values.size() == 3) values.resize(4);
+  EXPECT_THROW(run.restore(saved), std::runtime_error) << "more particles than the case has";
+  saved = run.save();
+  saved.at("closed contacts") = {1e6, 0, 0, 0};
+  EXPECT_THROW(run.restore(saved), std::runtime_error) << "of a tile that is not there";
+}
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,120 @@
+/// What can be read off the particles of a body.
+
+#include "talus/mpm/inspect.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "law/parameter_sets.hpp"
+#include "mpm/by_hand.hpp"
+#include "talus/backend/backend.hpp"
+
+namespace talus {
+namespace {
+
+/// Two particles of 2 kg and 3 m3, the second stretched to 6 m3; E = 1000, nu = 1/4.
+Body<2> pair() {
+  Body<2> body{
+      "pair", 1, LinearElastic{1000, 0.25}, particles_at<2>({{1, 2}, {3, 4}}, {state_size<LinearElastic>}), {}};
+  for (int i = 0; i < 2; ++i) {
+    auto stress = SymTensor<double>::zero();
+    stress.xx = -40.0 * i;
+    set_state<LinearElastic>(body.particles, i, {stress, 1.0 + i});
+    body.particles.mass()[i] = 2;
+    body.particles.reference_volume()[i] = 3;
+    body.particles.velocity(0)[i] = 5 + i;
+  }
+  return body;
+}
+
+TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
+  Body<2> body = pair();
+  std::swap(body.particles.id()[0], body.particles.id()[1]);
+  Observation seen;
+  observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), 2, seen);
+  EXPECT_EQ(seen.fields[0].name, "position");
+  EXPECT_EQ(seen.find("position")->values, (std::vector<double>{3, 4, 0, 1, 2, 0}));
+  EXPECT_EQ(seen.find("velocity")->values, (std::vector<double>{6, 0, 0, 5, 0, 0}));
+  EXPECT_EQ(seen.find("body")->values, (std::vector<double>{7, 7}));
+  EXPECT_EQ(seen.find("volume")->values, (std::vector<double>{6, 3}));
+  EXPECT_EQ(seen.find("stress")->values[0], -40);
+  EXPECT_NEAR(seen.find("p")->values[0], 40.0 / 3, 1e-14);
+  EXPECT_EQ(seen.find("q")->values[1], 0);
+  EXPECT_EQ(seen.find("spin"), nullptr) << "of apic only";
+}
+
+TEST(Inspect, WhatHasLeftIsLeftOut) {
+  Observation seen;
+  observe_body(pair(), 0, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), 4, seen);
+  EXPECT_EQ(seen.n_particles(), 4);
+  EXPECT_TRUE(std::isnan(seen.find("mass")->values[2]));
+  leave_out_what_has_left(seen);
+  EXPECT_EQ(seen.n_particles(), 2);
+  EXPECT_EQ(seen.find("mass")->values, (std::vector<double>{2, 2}));
+  EXPECT_EQ(seen.find("stress")->values.size(), 12u);
+}
+
+TEST(Inspect, AParticleIsAsLargeAsTheSquareOfItsVolume) {
+  ParticlePlaces all{std::vector<Vec<3>>(2), std::vector<double>(2)};
+  place_body(pair(), false, all);
+  EXPECT_EQ(all.places[1], (Vec<3>{3, 4, 0}));
+  EXPECT_DOUBLE_EQ(all.sizes[1], std::sqrt(6.0));
+  place_body(pair(), true, all);
+  EXPECT_DOUBLE_EQ(all.sizes[1], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
+}
+
+TEST(Inspect, ADescriptionNamesTheParticleItsBodyAndItsQuantities) {
+  const std::string text = describe(pair(), 1);
+  for (const char* part : {"particle 1 of body `pair`", "position", "3, 4 m", "velocity", "6, 0 m/s", "volume_ratio"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << " in\n" << text;
+}
+
+TEST(Inspect, EnergyIsVolumeTimesItsDensity) {
+  // sigma^2/(2 E) = 0.8 J/m3 in 6 m3
+  const auto energies = elastic_energies(pair(), 0);
+  ASSERT_EQ(energies.size(), 2u);
+  EXPECT_EQ(energies[0], 0);
+  EXPECT_NEAR(energies[1], 6 * 40 * 40 / 2000.0, 1e-13);
+  EXPECT_EQ(elastic_energies(pair(), 1).size(), 1u);
+}
+
+TEST(Inspect, TheLoosestParticleAndTheFastestWaveAreFound) {
+  EXPECT_EQ(largest_volume_per_mass(pair()), 3);
+  // c^2 = 1200 Pa times volume over mass, 3 m3/kg at the second
+  const FastestWave wave = fastest_wave(pair(), {});
+  EXPECT_NEAR(wave.speed, std::sqrt(1200.0 * 3), 1e-12);
+  EXPECT_EQ(wave.particle, 1);
+}
+
+TEST(Inspect, LoadsCouldGiveStressTimesAreaOverMass) {
+  Body<2> body = pair();
+  Particles<2> p({state_size<LinearElastic>, false, false, false, 1});
+  p.resize(2);
+  for (int i = 0; i < 2; ++i) {
+    p.mass()[i] = 2;
+    p.loaded_area(0)[i] = i;
+  }
+  body.particles = std::move(p);
+  SurfaceLoad load;
+  load.traction = {3, 4, 0};
+  body.loads = {load};
+  EXPECT_EQ(largest_acceleration_by_loads(body), 2.5);
+  body.loads[0].factor = {{0, 1}, {0.5, -2}};
+  EXPECT_EQ(largest_acceleration_by_loads(body), 5) << "at its largest";
+}
+
+TEST(Inspect, OnlyWhatStiffensWithStressHasAStiffeningAtContact) {
+  EXPECT_FALSE(contact_stiffening(pair()));
+  Body<2> sand{"sand", 1, case_1(), particles_at<2>({{1, 1}}, {state_size<Granular>}), {}};
+  set_state<Granular>(sand.particles, 0, isotropic_state(case_1(), 0, 0.8));
+  EXPECT_TRUE(contact_stiffening(sand));
+}
+
+TEST(Inspect, OfASingleOwnerNothingHasToBeGathered) {
+  const auto serial = make_serial();
+  EXPECT_EQ(gather(*serial, "text"), "text");
+}
+
+}  // namespace
+}  // namespace talus

@@ -1,0 +1,50 @@
+/// Particles that stand closer than their volumes leave room for.
+
+#include "talus/mpm/stage/shift.hpp"
+
+#include <gtest/gtest.h>
+
+#include "mpm/small_model.hpp"
+
+namespace talus {
+namespace {
+
+/// Sixteen particles of volume 1 on 3 x 3 cells: too close by far.
+std::vector<Vec<2>> crowd() {
+  std::vector<Vec<2>> places;
+  for (int i = 0; i < 16; ++i) places.push_back({5.45 + 0.7 * (i % 4), 5.45 + 0.7 * (i / 4)});
+  return places;
+}
+
+TEST(ParticleShift, ACrowdOfAFluidMovesApartAboutItsMiddleByATenthOfACellAtMost) {
+  SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), crowd(), SmallModel<>::flip(), {}, {},
+                                              NewtonianFluid{1000, 0});
+  arrange(small.model);
+  const TileSums sums = ParticleShift<2, Quadratic>().apply(small.model, 0);
+  const auto& p = small.particles();
+  Vec<2> total{};
+  for (int i = 0; i < 16; ++i) {
+    const Vec<2> before = crowd()[std::size_t(p.id()[i])];
+    for (int a = 0; a < 2; ++a) {
+      const double shift = p.position(a)[i] - before[a];
+      EXPECT_LE(std::abs(shift), 0.1 + 1e-15);
+      EXPECT_GE(shift * (before[a] - 6.5), 0) << "away from the middle";
+      total[a] += shift;
+    }
+  }
+  EXPECT_GT(p.position(0)[small.row(15)], 5.45 + 2.1 + 0.01) << "the corner goes";
+  for (int a = 0; a < 2; ++a) EXPECT_NEAR(total[a], 0, 1e-9) << "(6.5, 6.15) is no centre of the nodes";
+  EXPECT_EQ(sums[Sum::mass], 16);
+}
+
+TEST(ParticleShift, WhatKeepsItsNeighboursIsNotShifted) {
+  SmallModel<> small(unit_cells<2>(16), crowd());
+  arrange(small.model);
+  ParticleShift<2, Quadratic>().apply(small.model, 0);
+  const auto& p = small.particles();
+  for (int i = 0; i < 16; ++i)
+    for (int a = 0; a < 2; ++a) EXPECT_EQ(p.position(a)[i], crowd()[std::size_t(p.id()[i])][a]);
+}
+
+}  // namespace
+}  // namespace talus
