@@ -452,7 +452,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
       "solid.sheet is 1 mm thick; it must be as thick as the cells at least");
 }
 
-TEST(Resolve, TellsAllMistakesAtOnce) {
+TEST(Resolve, ReportsAllMistakesAtOnce) {
   const std::string text = said([](Case& c) {
     c.cell = 0.007;
     c.bodies[0].void_ratio = 0.4;

@@ -36,10 +36,10 @@ Lines understood(const std::string& text, const fs::path& folder) {
   return lines(read_case_text("it.toml", text, folder.string()).understood);
 }
 
-/// Every file that the readers of cases and element tests read.
+/// Files that the readers of cases and element tests read: those that ship, and those that have every key.
 std::vector<fs::path> files() {
   std::vector<fs::path> all;
-  for (const char* folder : {"/cases", "/validation"})
+  for (const char* folder : {"/cases", "/validation", "/tests/input/every_key"})
     for (const auto& entry : fs::recursive_directory_iterator(std::string(TALUS_SOURCE_DIR) + folder))
       if (entry.path().extension() == ".toml" && entry.path().filename() != "figure.toml") all.push_back(entry.path());
   std::sort(all.begin(), all.end());
@@ -55,7 +55,7 @@ TEST(Mistakes, AreRefusedOrChangeWhatIsUnderstood) {
     const std::string text = text_of(file);
     const Lines right = understood(text, file.parent_path());
     const std::size_t count = mistakes::count(text);
-    EXPECT_GT(count, 400u) << file;
+    EXPECT_GT(count, 300u) << file;
     for (std::size_t i = first++ % stride; i < count; i += stride) {
       const mistakes::Mistake m = mistakes::made(text, i);
       ++n;

@@ -23,18 +23,18 @@ void count_cells(Case& case_) {
 }
 
 /// `rough` is `friction` with that of the material on itself.
-void give_friction(Wall& wall, const Case& case_) {
+void set_friction(Wall& wall, const Case& case_) {
   if (wall.kind == WallKind::rough) wall = {WallKind::friction, rough_friction(case_), wall.separates};
 }
 
-void give_unit_length(Vec<3>& direction) {
+void normalise(Vec<3>& direction) {
   if (const double length = std::sqrt(dot(direction, direction)); length > 0) direction = (1 / length) * direction;
 }
 
 void resolve_solid(Solid& solid, const Case& case_) {
-  give_friction(solid.contact, case_);
-  if (auto* half = std::get_if<HalfSpace>(&solid.shape)) give_unit_length(half->normal);
-  if (!solid.motion.angle.empty()) give_unit_length(solid.motion.axis);
+  set_friction(solid.contact, case_);
+  if (auto* half = std::get_if<HalfSpace>(&solid.shape)) normalise(half->normal);
+  if (!solid.motion.angle.empty()) normalise(solid.motion.axis);
 }
 
 void resolve_law(Material& material) {
@@ -61,7 +61,7 @@ void fill_in_defaults(Case& case_) {
 
 void fill_in(Case& case_) {
   count_cells(case_);
-  for (Wall& wall : case_.walls) give_friction(wall, case_);
+  for (Wall& wall : case_.walls) set_friction(wall, case_);
   for (Solid& solid : case_.solids) resolve_solid(solid, case_);
   fill_in_defaults(case_);
 }

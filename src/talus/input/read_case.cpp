@@ -1,30 +1,47 @@
 #include <filesystem>
 
-#include "talus/case/keys.hpp"
 #include "talus/case/resolve.hpp"
 #include "talus/input/sections.hpp"
 #include "talus/mpm/start/check_start.hpp"
 
 namespace talus {
 
+namespace {
+
+constexpr Text title{"title", "what the case is, in one line"};
+
+const Declaration& run_declaration() {
+  static const Declaration d("[run]", {required(keys::end)});
+  return d;
+}
+constexpr Table run_table{"run", "how long", run_declaration};
+
+}  // namespace
+
+const Declaration& case_declaration() {
+  static const Declaration d("a case", {required(title), required(keys::domain), required(keys::materials),
+                                        required(keys::bodies), optional(keys::loads), optional(keys::solids),
+                                        optional(keys::numerics), required(run_table), optional(keys::output)});
+  return d;
+}
+
 Case understand_case(Document& document, const std::string& folder) {
   Case case_;
-  Section root = Section::root(document);
-  case_.title = root.text("title", "what the case is, in one line");
-  Section numerics = root.has("numerics") ? root.section("numerics", "how the equations are solved")
-                                          : Section::empty(root, "numerics");
-  read_materials(root, numerics.is_text("preset", "paper") ? Preset::paper : Preset::standard, case_);
+  Section root = Section::root(document, &case_declaration());
+  case_.title = root.text(title);
+  Section numerics = root.optional_section(keys::numerics);
+  read_materials(root, numerics.is_text(keys::preset.key, "paper") ? Preset::paper : Preset::standard, case_);
   read_domain(root, case_);
   read_bodies(root, case_, folder);
   read_loads(root, case_);
   read_solids(root, case_, folder);
   read_numerics(numerics, case_);
   const bool is_right_so_far = document.is_right();
-  Section run = root.section("run", "how long");
+  Section run = root.section(run_table);
   case_.end = run.number(keys::end);
-  run.close("[run]");
+  run.close();
   read_output(root, case_);
-  root.close("a case");
+  root.close();
   const Resolved resolved = resolve_read(std::move(case_));
   for (const Mistake& m : resolved.mistakes) root.complain(m);
   if (is_right_so_far && resolved.mistakes.empty())

@@ -1,10 +1,6 @@
-#include <fmt/format.h>
-
 #include <limits>
 
 #include "talus/case/check.hpp"
-#include "talus/case/defaults.hpp"
-#include "talus/case/keys.hpp"
 #include "talus/input/sections.hpp"
 
 namespace talus {
@@ -14,31 +10,47 @@ namespace {
 constexpr Choice kinds[] = {{"plane_strain", "x and y; nothing moves or varies along z"},
                             {"3d", "x, y and z"},
                             {"axisymmetric", "x is the radius and y points upwards; nothing varies around the axis"}};
-constexpr Parameter lower{"min", "m", {}, "lower corner of the domain"},
-    upper{"max", "m", {}, "upper corner of the domain"},
-    gravity{"gravity", "m/s2", {}, "acceleration of gravity, such as [\"0 m/s2\", \"-9.81 m/s2\"]"};
-constexpr const char* meaning_of_wall = "wall on this side of the domain";
-constexpr WallKind wall_kinds[] = {WallKind::open,     WallKind::outflow, WallKind::slip,     WallKind::no_slip,
-                                   WallKind::friction, WallKind::rough,   WallKind::symmetry, WallKind::periodic};
+constexpr Option kind_of_domain{"kind", "plane strain, three dimensions or around an axis", kinds};
+constexpr Numbers lower{{"min", "m", {}, "lower corner of the domain"}, one_per_axis},
+    upper{{"max", "m", {}, "upper corner of the domain"}, one_per_axis},
+    gravity{{"gravity", "m/s2", {}, "acceleration of gravity, such as [\"0 m/s2\", \"-9.81 m/s2\"]"}, one_per_axis};
+
+const Declaration& walls_declaration() {
+  static const Declaration d = [] {
+    std::vector<Entry> sides;
+    for (int side = 0; side < 6; ++side) {
+      sides.push_back(optional(key_of_wall(side).option));
+      sides.push_back(optional(key_of_wall(side).table));
+    }
+    return Declaration("the walls; sides of the domain are named x_min, x_max, y_min, ...", std::move(sides));
+  }();
+  return d;
+}
+constexpr Table walls_table{"walls", "what stands on the sides of the domain", walls_declaration};
 
 void read_walls(Section& domain, Case& case_) {
   if (!domain.has("walls")) {
     for (int side = 0; side < 2 * case_.dim; ++side)
-      domain.note("walls." + name_of_side(side), "open", meaning_of_wall);
+      domain.note("walls." + name_of_side(side), "open", key_of_wall(side).option.meaning);
     return;
   }
-  Section walls = domain.section("walls", "what stands on the sides of the domain");
+  Section walls = domain.section(walls_table);
   for (int side = 0; side < 2 * case_.dim; ++side)
-    case_.walls[std::size_t(side)] = read_surface(
-        walls, {{side_choices[side].word, meaning_of_wall, wall_choices}, wall_kinds, separates_from_wall}, case_);
-  walls.close("the walls; sides of the domain are named x_min, x_max, y_min, ...");
+    case_.walls[std::size_t(side)] = read_surface(walls, key_of_wall(side), case_);
+  walls.close();
 }
 
 }  // namespace
 
+const Declaration& domain_declaration() {
+  static const Declaration d("[domain]", {required(kind_of_domain), required(lower), required(upper),
+                                          required(keys::cell), required(gravity), optional(walls_table)});
+  return d;
+}
+
 void read_domain(Section& root, Case& case_) {
-  Section s = root.section("domain", "the box the grid fills");
-  const int kind = s.required_choice({"kind", "plane strain, three dimensions or around an axis", kinds});
+  Section s = root.section(keys::domain);
+  const int kind = s.required_choice(kind_of_domain);
   case_.dim = kind == 1 ? 3 : 2;
   case_.axisymmetric = kind == 2;
   case_.domain = {vector_of(s.numbers(lower, case_.dim)), vector_of(s.numbers(upper, case_.dim))};
@@ -48,7 +60,7 @@ void read_domain(Section& root, Case& case_) {
   case_.cell = s.number(keys::cell);
   case_.gravity = vector_of(s.numbers(gravity, case_.dim));
   read_walls(s, case_);
-  s.close("[domain]");
+  s.close();
 }
 
 }  // namespace talus

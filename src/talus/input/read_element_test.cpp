@@ -10,82 +10,136 @@ namespace talus {
 
 namespace {
 
-/// A table of components, compression-positive; the first `required` of them must be there.
-SymTensor<double> read_stress(Section& s, std::string_view key, std::string_view meaning, int required) {
-  Section components = s.section(key, meaning);
+/// A component of a stress, compression-positive.
+constexpr Parameter component_of_stress(int i) {
+  return {component_names[i], "Pa", {}, "component of the stress, compression-positive"};
+}
+/// All components; the first `n_required` of them must be there.
+Declaration declaration_of_stress(int n_required) {
+  std::vector<Entry> components;
+  for (int i = 0; i < 6; ++i)
+    components.push_back(i < n_required ? required(component_of_stress(i)) : optional(component_of_stress(i)));
+  return {"a stress", std::move(components)};
+}
+const Declaration& stress_declaration() {
+  static const Declaration d = declaration_of_stress(3);
+  return d;
+}
+const Declaration& collisional_stress_declaration() {
+  static const Declaration d = declaration_of_stress(0);
+  return d;
+}
+
+constexpr Parameter isotropic_pressure{"pressure", "Pa", Range::not_negative(), "isotropic pressure"},
+    background_pressure{"background_pressure", "Pa", Range::not_negative(),
+                        "constant pressure of contacts that are not modelled"},
+    kappa{"kappa", "1", Range::not_negative(),
+          "accumulated plastic deviatoric strain; without it, the least that carries the stress"};
+constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio"}; }
+constexpr Table stress{"stress", "stress of lasting contacts, compression-positive", stress_declaration},
+    collisional_stress{"collisional_stress", "stress of collisions at the start, compression-positive",
+                       collisional_stress_declaration};
+
+const Declaration& initial_declaration() {
+  static const Declaration d = [] {
+    std::vector<Entry> all = {depends(isotropic_pressure), optional(stress), depends(background_pressure),
+                              optional(kappa), optional(collisional_stress)};
+    Laws::for_each([&]<class Law>() {
+      if constexpr (HasVoidRatio<Law>) all.push_back(depends(void_ratio(Law::void_ratios)));
+    });
+    return Declaration("[initial]", std::move(all));
+  }();
+  return d;
+}
+
+constexpr Option integrator{"integrator", "how the frictional stress is integrated", integrator_choices};
+constexpr Parameter tolerance{"tolerance", "1", Range::between(1e-12, 0.1),
+                              "relative error of the stress in a substep"};
+const Declaration& driver_declaration() {
+  static const Declaration d("[driver]", {optional(integrator), optional(tolerance)});
+  return d;
+}
+
+const Declaration& law_declaration() {
+  static const Declaration d("a material", entries_of_laws());
+  return d;
+}
+
+constexpr Text title{"title", "what the test is, in one line"};
+constexpr Table material_table{"material", "the law and its parameters", law_declaration},
+    initial{"initial", "the state before the test", initial_declaration},
+    driver{"driver", "how the test is integrated", driver_declaration};
+constexpr ListOfTables segments{{"segment", "the loading path, segment after segment", segment_declaration}};
+
+/// A table of components, compression-positive; the first `n_required` of them must be there.
+SymTensor<double> read_stress(Section& s, const Table& table, int n_required) {
+  Section components = s.section(table);
   SymTensor<double> given = SymTensor<double>::zero();
-  for (int i = 0; i < 6; ++i) {
-    const Parameter p{component_names[i], "Pa", {}, "component of the stress, compression-positive"};
-    given[i] = i < required ? components.number(p) : components.number(p, 0);
-  }
-  components.close("a stress");
+  for (int i = 0; i < 6; ++i)
+    given[i] =
+        i < n_required ? components.number(component_of_stress(i)) : components.number(component_of_stress(i), 0);
+  components.close();
   return opposite_sign(given);
 }
 
 /// The stress that the test starts from, of a law that carries one at rest.
 SymTensor<double> read_initial_stress(Section& s) {
-  if (!s.has("stress"))
-    return opposite_sign(
-        SymTensor<double>::isotropic(s.number({"pressure", "Pa", Range::not_negative(), "isotropic pressure"})));
+  if (!s.has("stress")) return opposite_sign(SymTensor<double>::isotropic(s.number(isotropic_pressure)));
   if (s.has("pressure")) s.complain("pressure", "and `stress` exclude each other");
-  return read_stress(s, "stress", "stress of lasting contacts, compression-positive", 3);
+  return read_stress(s, stress, 3);
 }
 
 InitialState read_initial(Section& root, const AnyLaw& law) {
-  Section s = root.section("initial", "the state before the test");
-  InitialState initial;
+  Section s = root.section(initial);
+  InitialState state;
   if (has_lasting_contacts(law))
-    initial.stress = read_initial_stress(s);
+    state.stress = read_initial_stress(s);
   else
-    initial.background_pressure = s.number(
-        {"background_pressure", "Pa", Range::not_negative(), "constant pressure of contacts that are not modelled"});
+    state.background_pressure = s.number(background_pressure);
   if (const std::optional<Range> range = void_ratios_of(law)) {
-    initial.void_ratio = s.number({"void_ratio", "1", *range, "void ratio"});
-    if (const std::string why = fault_of_void_ratio(law, initial.void_ratio); !why.empty())
-      s.complain("void_ratio", why);
+    state.void_ratio = s.number(void_ratio(*range));
+    if (const std::string why = fault_of_void_ratio(law, state.void_ratio); !why.empty()) s.complain("void_ratio", why);
   }
-  if (has_quantity(law, "kappa"))
-    initial.kappa =
-        s.optional_number({"kappa", "1", Range::not_negative(),
-                           "accumulated plastic deviatoric strain; without it, the least that carries the stress"});
+  if (has_quantity(law, "kappa")) state.kappa = s.optional_number(kappa);
   if (s.has("collisional_stress")) {
-    initial.collisional_stress =
-        read_stress(s, "collisional_stress", "stress of collisions at the start, compression-positive", 0);
+    state.collisional_stress = read_stress(s, collisional_stress, 0);
     if (!remembers_collisional_stress(law))
       s.complain(
           "collisional_stress",
           "follows from the strain rate in this law; collisional_form = \"rate\" or \"incremental\" remembers it");
   }
-  s.close("[initial]");
-  return initial;
+  s.close();
+  return state;
 }
 
 void read_driver(Section& root, ElementTest& test) {
-  Section s =
-      root.has("driver") ? root.section("driver", "how the test is integrated") : Section::empty(root, "driver");
-  test.integration.scheme = Integrator(s.choice(
-      {"integrator", "how the frictional stress is integrated", integrator_choices}, int(test.integration.scheme)));
-  test.integration.tolerance =
-      s.number({"tolerance", "1", Range::between(1e-12, 0.1), "relative error of the stress in a substep"},
-               test.integration.tolerance);
+  Section s = root.optional_section(driver);
+  test.integration.scheme = Integrator(s.choice(integrator, int(test.integration.scheme)));
+  test.integration.tolerance = s.number(tolerance, test.integration.tolerance);
   test.tolerance = test.integration.tolerance;
-  s.close("[driver]");
+  s.close();
 }
 
 }  // namespace
 
+const Declaration& element_test_declaration() {
+  static const Declaration d("an element test", {required(title), required(material_table), required(initial),
+                                                 optional(driver), required(segments)});
+  return d;
+}
+
 ElementTest understand_element_test(Document& document, const std::string& folder) {
   ElementTest test;
-  Section root = Section::root(document);
-  test.title = root.text("title", "what the test is, in one line");
-  Section material = root.section("material", "the law and its parameters");
+  Section root = Section::root(document, &element_test_declaration());
+  test.title = root.text(title);
+  Section material = root.section(material_table);
   test.law = read_law(material, Preset::standard);
   material.close(fmt::format("law `{}`", name_of(test.law)));
   test.initial = read_initial(root, test.law);
   read_driver(root, test);
-  for (Section& s : root.list_of_sections("segment", "the loading path, segment after segment"))
+  for (Section& s : root.list_of_sections(segments))
     for (Segment& segment : read_segment(s, folder)) test.segments.push_back(std::move(segment));
-  root.close("an element test");
+  root.close();
   for (const Mistake& m : check_rows(test)) root.complain(m);
   if (document.is_right())
     for (const Mistake& m : check_start(test)) root.complain(m);

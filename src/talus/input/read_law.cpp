@@ -3,13 +3,25 @@
 #include <fmt/format.h>
 
 #include "talus/case/defaults.hpp"
-#include "talus/case/keys.hpp"
 #include "talus/case/material.hpp"
 #include "talus/input/sections.hpp"
 
 namespace talus {
 
 namespace {
+
+/// The laws that a user may name.
+const std::vector<Choice>& named_laws() {
+  static const std::vector<Choice> laws = [] {
+    std::vector<Choice> named;
+    Laws::for_each([&]<class Law>() {
+      if (is_named<Law>) named.push_back({Law::name, Law::meaning});
+    });
+    return named;
+  }();
+  return laws;
+}
+Option law_option() { return {"law", "constitutive law", named_laws()}; }
 
 template <class Law>
 AnyLaw read_parameters(Section& section, Preset preset) {
@@ -24,12 +36,36 @@ AnyLaw read_parameters(Section& section, Preset preset) {
 
 }  // namespace
 
-AnyLaw read_law(Section& section, Preset preset) {
-  std::vector<Choice> laws;
+std::vector<Entry> entries_of_laws() {
+  std::vector<Entry> all = {required(law_option())};
   Laws::for_each([&]<class Law>() {
-    if (is_named<Law>) laws.push_back({Law::name, Law::meaning});
+    if (!is_named<Law>) return;
+    for (const auto& p : Law::parameters())
+      all.push_back(required(static_cast<const Parameter&>(p)).with("law", {std::string(Law::name)}));
+    for (const auto& o : Law::options())
+      all.push_back(optional(static_cast<const Option&>(o)).with("law", {std::string(Law::name)}));
   });
-  const int chosen = section.required_choice({"law", "constitutive law", laws});
+  return all;
+}
+
+const Declaration& material_declaration() {
+  static const Declaration d = [] {
+    std::vector<Entry> entries = entries_of_laws();
+    std::vector<std::string> laws_of_density;
+    Laws::for_each([&]<class Law>() {
+      const AnyLaw law = Law{};
+      if (is_named<Law> && needs_density(law) && !is_for_element_tests_only(law))
+        laws_of_density.push_back(name_of(law));
+    });
+    entries.push_back(required(keys::density).with("law", laws_of_density));
+    return Declaration("a material", std::move(entries));
+  }();
+  return d;
+}
+
+AnyLaw read_law(Section& section, Preset preset) {
+  const std::vector<Choice>& laws = named_laws();
+  const int chosen = section.required_choice(law_option());
   AnyLaw result;
   Laws::for_each([&]<class Law>() {
     if (is_named<Law> && Law::name == laws[std::size_t(chosen)].word) result = read_parameters<Law>(section, preset);
@@ -38,7 +74,7 @@ AnyLaw read_law(Section& section, Preset preset) {
 }
 
 void read_materials(Section& root, Preset preset, Case& case_) {
-  for (auto& [name, section] : root.named_sections("material", "what bodies are made of")) {
+  for (auto& [name, section] : root.named_sections(keys::materials)) {
     Material material{name, read_law(section, preset), 0};
     if (is_for_element_tests_only(material.law))
       section.complain("law", "is for element tests only; it has no meaning in a flow");

@@ -6,6 +6,9 @@
 
 namespace talus {
 
+/// The parameters and options of every law, each with the law it belongs to, and `law` itself.
+std::vector<Entry> entries_of_laws();
+
 /// Reads `law` and the parameters and options of that law from a [material...] section; a preset has the defaults of the
 /// options. The section stays open for more keys.
 AnyLaw read_law(Section& section, Preset preset);

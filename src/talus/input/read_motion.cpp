@@ -15,16 +15,39 @@ namespace talus {
 
 namespace {
 
+constexpr Parameter from{"from", "s", Range::not_negative(), "instant at which it starts"},
+    until{"until", "s", Range::positive(), "instant at which it stops"};
+
+constexpr Numbers centre{{"centre", "m", {}, "a point on the axis of the turn, at the start"}, one_per_axis},
+    axis{{"axis", "1", {}, "direction about which the turn is right-handed"}, 3},
+    times_of_angles{{"times", "s", Range::not_negative(), "instants at which angles are given"}},
+    angles{{"angles", "rad", {}, "how far the solid has turned then"}};
+constexpr Parameter rate_of_turn{"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"};
+const Declaration& rotation_declaration() {
+  static const Declaration d("a rotation",
+                             {required(centre), depends(axis), optional(rate_of_turn), optional(from), optional(until),
+                              depends(times_of_angles), optional(angles)},
+                             {"rate", "angles"});
+  return d;
+}
+
+constexpr Table rotation{"rotation", "how the solid turns", rotation_declaration};
+constexpr Numbers velocity{{"velocity", "m/s", {}, "velocity of the solid"}, one_per_axis},
+    times{{"times", "s", Range::not_negative(), "instants at which displacements are given"}};
+constexpr Points displacements{{"displacements", "m", {}, "where the solid is then, from where it began"},
+                               one_per_axis};
+constexpr Text file_of_motion{"file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]"};
+
 /// A change at a constant rate from an instant until another.
 template <class T>
 LinearInTime<T> read_constant_rate(Section& s, const T& rate) {
-  const double from = s.number({"from", "s", Range::not_negative(), "instant at which it starts"}, 0.0);
-  const std::optional<double> until = s.optional_number({"until", "s", Range::positive(), "instant at which it stops"});
-  if (until && !(*until > from)) {
+  const double start = s.number(from, 0.0);
+  const std::optional<double> end = s.optional_number(until);
+  if (end && !(*end > start)) {
     s.complain("until", "must be later than `from`");
-    return constant_rate(rate, from);
+    return constant_rate(rate, start);
   }
-  return constant_rate(rate, from, until);
+  return constant_rate(rate, start, end);
 }
 
 /// The columns of a file as a displacement. Throws std::runtime_error with what is wrong with it.
@@ -53,7 +76,7 @@ LinearInTime<Vec<3>> displacements_of(const std::string& path, int dim) {
 }
 
 LinearInTime<Vec<3>> read_displacements(Section& s, int dim, const std::string& folder) {
-  const std::string file = s.text("file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]");
+  const std::string file = s.text(file_of_motion);
   LinearInTime<Vec<3>> f;
   try {
     f = displacements_of((std::filesystem::path(folder) / file).string(), dim);
@@ -66,61 +89,62 @@ LinearInTime<Vec<3>> read_displacements(Section& s, int dim, const std::string& 
 
 /// The turn of a solid about its axis.
 void read_rotation(Section& s, int dim, PrescribedMotion& motion) {
-  motion.centre = vector_of(s.numbers({"centre", "m", {}, "a point on the axis of the turn, at the start"}, dim));
-  if (dim == 3)
-    motion.axis = vector_of(s.numbers({"axis", "1", {}, "direction about which the turn is right-handed"}, 3));
-  expect_one_of(s, {"rate", "angles"});
+  motion.centre = vector_of(s.numbers(centre, dim));
+  if (dim == 3) motion.axis = vector_of(s.numbers(axis));
+  s.expect_one_of();
   if (s.has("rate"))
-    motion.angle = read_constant_rate(
-        s, s.number({"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"}));
+    motion.angle = read_constant_rate(s, s.number(rate_of_turn));
   else
     expect_absent(s, {"from", "until"}, "rate");
   if (s.has("angles")) {
-    motion.angle.times = s.numbers({"times", "s", Range::not_negative(), "instants at which angles are given"}, 0);
-    motion.angle.values = s.numbers({"angles", "rad", {}, "how far the solid has turned then"}, 0);
+    motion.angle.times = s.numbers(times_of_angles);
+    motion.angle.values = s.numbers(angles);
     expect_instants(s, "angles", "times", motion.angle);
   } else {
     expect_absent(s, {"times"}, "angles");
   }
-  s.close("a rotation");
+  s.close();
 }
 
 /// Complains unless there is one displacement, or a rotation and at most one.
 void expect_displacement(Section& s, bool turns) {
-  const std::vector<std::string_view> displacements = {"velocity", "displacements", "file"};
-  const auto given = std::count_if(displacements.begin(), displacements.end(), [&](auto key) { return s.has(key); });
+  const std::vector<std::string_view> ways = {"velocity", "displacements", "file"};
+  const auto given = std::count_if(ways.begin(), ways.end(), [&](auto key) { return s.has(key); });
   if (given > 1 || (given == 0 && !turns))
-    s.complain(fmt::format("must have exactly one of {}, or `rotation`{}", any_of(displacements, "and"),
-                           turns ? " alone" : ""));
+    s.complain(fmt::format("must have exactly one of {}, or `rotation`{}", any_of(ways, "and"), turns ? " alone" : ""));
 }
 
 }  // namespace
+
+const Declaration& motion_declaration() {
+  static const Declaration d("a motion", {optional(rotation), optional(velocity), optional(from), optional(until),
+                                          depends(times), optional(displacements), optional(file_of_motion)});
+  return d;
+}
 
 PrescribedMotion read_motion(Section& s, int dim, const std::string& folder) {
   PrescribedMotion motion;
   const bool turns = s.has("rotation");
   if (turns) {
-    Section r = s.section("rotation", "how the solid turns");
+    Section r = s.section(rotation);
     read_rotation(r, dim, motion);
   }
   expect_displacement(s, turns);
   if (s.has("velocity"))
-    motion.displacement =
-        read_constant_rate(s, vector_of(s.numbers({"velocity", "m/s", {}, "velocity of the solid"}, dim)));
+    motion.displacement = read_constant_rate(s, vector_of(s.numbers(velocity, dim)));
   else
     expect_absent(s, {"from", "until"}, "velocity");
   if (s.has("displacements")) {
     LinearInTime<Vec<3>>& f = motion.displacement;
-    f.times = s.numbers({"times", "s", Range::not_negative(), "instants at which displacements are given"}, 0);
+    f.times = s.numbers(times);
     f.values.clear();
-    for (const auto& d : s.points({"displacements", "m", {}, "where the solid is then, from where it began"}, dim))
-      f.values.push_back(vector_of(d));
+    for (const auto& d : s.points(displacements, dim)) f.values.push_back(vector_of(d));
     expect_instants(s, "displacements", "times", f);
   } else {
     expect_absent(s, {"times"}, "displacements");
   }
   if (s.has("file")) motion.displacement = read_displacements(s, dim, folder);
-  s.close("a motion");
+  s.close();
   return motion;
 }
 

@@ -15,6 +15,9 @@ namespace talus {
 
 namespace {
 
+constexpr Text file_of_points{
+    "file", "CSV file of the particles' places, with columns x, y and in 3D z [m], and if you like volume [m3]"};
+
 /// The columns of coordinates and, last, of the volume; -1 where there is none. Throws if the columns are others.
 std::vector<int> columns_of(const NumberTable& table, const std::string& path, int dim) {
   std::vector<std::string_view> known(axis_names, axis_names + dim);
@@ -64,10 +67,14 @@ PointList points_of(const std::string& path, int dim, std::optional<double> spac
 
 }  // namespace
 
+const Declaration& points_declaration() {
+  static const Declaration d("a list of points", {required(file_of_points)});
+  return d;
+}
+
 Region read_points(Section& s, int dim, const std::string& folder, std::optional<double> spacing) {
-  const std::string file = s.text(
-      "file", "CSV file of the particles' places, with columns x, y and in 3D z [m], and if you like volume [m3]");
-  s.close("a list of points");
+  const std::string file = s.text(file_of_points);
+  s.close();
   if (file.empty()) return Box{};
   try {
     return points_of((std::filesystem::path(folder) / file).string(), dim, spacing);

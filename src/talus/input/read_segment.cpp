@@ -25,6 +25,30 @@ constexpr Parameter component_strain{"strain", "1", {}, "change of strain over t
 constexpr Parameter component_stress{"stress", "Pa", {}, "stress to go to, compression-positive, or \"held\""};
 constexpr Parameter component_stress_rate{"stress_rate", "Pa/s", {}, "growth of the stress, compression-positive"};
 
+/// A stress that stays what it is.
+constexpr Choice held[] = {{"held", "stays as it is"}};
+constexpr Option held_component_stress{component_stress.key, component_stress.meaning, held};
+
+const Declaration& control_declaration() {
+  static const Declaration d(
+      "a component", {optional(component_strain), optional(component_rate), optional(component_acceleration),
+                      optional(component_stress), optional(held_component_stress), optional(component_stress_rate)});
+  return d;
+}
+constexpr Table driven_component(int i) {
+  return {component_names[i], "how this component is driven", control_declaration};
+}
+constexpr Table controlled_stress(int i) {
+  return {component_names[i], "a stress that is controlled while the other strains follow the table",
+          control_declaration};
+}
+
+constexpr WholeNumber rows{{"rows", "1", Range::between(1, 1000000), "rows of output"}};
+constexpr Parameter duration_of_segment{"duration", "s", Range::positive(), "how long the segment lasts"};
+constexpr Parameter first_row{"first_row", "s", Range::positive(),
+                              "time of the first row; from there the times grow by a constant factor"};
+constexpr Text file_of_rates{"rates", "CSV file of strain rates: time, rate_xx, ...; linear between instants"};
+
 /// xx = { strain = 0.2 } or { strain_rate = "...", strain_acceleration = "..." } or { stress = "100 kPa" }
 ///      or { stress = "held" } or { stress_rate = "1 kPa/s" }
 Control read_control(Section& s, int i, double duration) {
@@ -40,7 +64,7 @@ Control read_control(Section& s, int i, double duration) {
   }
   if (s.has("stress")) {
     if (s.is_text("stress", "held")) {
-      s.text("stress", component_stress.meaning);
+      s.required_choice(held_component_stress);
       c = held_stress(i);
     } else {
       c = stress_to(i, s.number(component_stress));
@@ -50,16 +74,16 @@ Control read_control(Section& s, int i, double duration) {
     c = held_stress(i);
     c.rate = s.number(component_stress_rate);
   }
-  s.close("a component");
+  s.close();
   return c;
 }
 
 /// The components that a segment has tables of, over those it starts with; how many there are.
-int read_controls(Section& s, std::string_view meaning, Segment& segment) {
+int read_controls(Section& s, Table (*component_table)(int), Segment& segment) {
   int n = 0;
   for (int i = 0; i < 6; ++i) {
     if (!s.has(component_names[i])) continue;
-    Section c = s.section(component_names[i], meaning);
+    Section c = s.section(component_table(i));
     segment.controls[std::size_t(i)] = read_control(c, i, segment.duration);
     ++n;
   }
@@ -105,7 +129,7 @@ std::vector<RateInstant> rates_of(const std::string& path) {
 
 /// A path of strain rates from a table, of which some components may be stresses instead.
 Segment read_rates(Section& s, const std::string& folder, Segment segment) {
-  const std::string file = s.text("rates", "CSV file of strain rates: time, rate_xx, ...; linear between instants");
+  const std::string file = s.text(file_of_rates);
   try {
     segment.history = rates_of((std::filesystem::path(folder) / file).string());
     segment.duration = segment.history.back().time;
@@ -113,7 +137,7 @@ Segment read_rates(Section& s, const std::string& folder, Segment segment) {
     s.complain("rates", e.what());
   }
   segment.controls = no_strain();
-  read_controls(s, "a stress that is controlled while the other strains follow the table", segment);
+  read_controls(s, controlled_stress, segment);
   for (int i = 0; i < 6; ++i)
     if (s.has(component_names[i]) && segment.controls[std::size_t(i)].of_strain[std::size_t(i)] != 0)
       s.complain(component_names[i], "must control a stress; strains come from the table");
@@ -122,29 +146,38 @@ Segment read_rates(Section& s, const std::string& folder, Segment segment) {
 
 /// A named test, or conditions on components.
 std::vector<Segment> read_conditions(Section& s, Segment segment) {
-  segment.duration = s.number({"duration", "s", Range::positive(), "how long the segment lasts"}, segment.duration,
-                              "only collisions feel it");
+  segment.duration = s.number(duration_of_segment, segment.duration, "only collisions feel it");
   if (!(segment.duration > 0)) segment.duration = Segment{}.duration;
   if (s.has("first_row")) {
-    segment.first_row = s.number(
-        {"first_row", "s", Range::positive(), "time of the first row; from there the times grow by a constant factor"});
+    segment.first_row = s.number(first_row);
     if (segment.first_row >= segment.duration) s.complain("first_row", "must come before the end of the segment");
   }
   if (s.has("test")) return read_named_test(s, segment);
   segment.controls = no_strain();
-  if (read_controls(s, "how this component is driven", segment) == 0)
+  if (read_controls(s, driven_component, segment) == 0)
     s.complain("drives nothing: give `test`, `rates`, or components such as xx = { strain = 0.1 }");
   return {segment};
 }
 
 }  // namespace
 
+const Declaration& segment_declaration() {
+  static const Declaration d = [] {
+    std::vector<Entry> all = {optional(rows), optional(file_of_rates), optional(duration_of_segment),
+                              optional(first_row)};
+    for (int i = 0; i < 6; ++i) all.push_back(optional(driven_component(i)));
+    for (Entry& e : entries_of_named_tests()) all.push_back(std::move(e));
+    return Declaration("a segment", std::move(all));
+  }();
+  return d;
+}
+
 std::vector<Segment> read_segment(Section& s, const std::string& folder) {
   Segment segment;
-  segment.rows = s.whole_number({"rows", "1", Range::between(1, 1000000), "rows of output"}, segment.rows);
+  segment.rows = s.whole_number(rows, segment.rows);
   std::vector<Segment> segments =
       s.has("rates") ? std::vector<Segment>{read_rates(s, folder, segment)} : read_conditions(s, segment);
-  s.close("a segment");
+  s.close();
   if (segments.empty()) segments = {segment};
   return segments;
 }

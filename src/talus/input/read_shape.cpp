@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include "talus/case/keys.hpp"
 #include "talus/input/sections.hpp"
 
 namespace talus {
@@ -9,58 +8,85 @@ namespace {
 
 constexpr std::size_t most_corners = 10000;
 
+constexpr Numbers lower{{"min", "m", {}, "lower corner of the box"}, one_per_axis},
+    upper{{"max", "m", {}, "upper corner of the box"}, one_per_axis},
+    centre{{"centre", "m", {}, "centre"}, one_per_axis},
+    centre_of_base{{"centre", "m", {}, "centre of the base"}, one_per_axis},
+    point{{"point", "m", {}, "a point on the plane"}, one_per_axis},
+    normal{{"normal", "1", {}, "direction out of the solid"}, one_per_axis};
+constexpr Points corners{{"corners", "m", {}, "corners of the polygon, in order"}, 2};
+constexpr Parameter from{"from", "m", {}, "where the prism begins along y"},
+    to{"to", "m", {}, "where the prism ends along y"};
+
 Box read_box(Section& s, int dim) {
-  Section b = s.section("box", "all points between two corners");
-  const Box box{vector_of(b.numbers({"min", "m", {}, "lower corner of the box"}, dim)),
-                vector_of(b.numbers({"max", "m", {}, "upper corner of the box"}, dim))};
+  Section b = s.section(keys::box);
+  const Box box{vector_of(b.numbers(lower, dim)), vector_of(b.numbers(upper, dim))};
   if (const std::string why = fault(box, dim); !why.empty()) b.complain(why);
-  b.close("a box");
+  b.close();
   return box;
 }
 
 Cylinder read_cylinder(Section& s, int dim) {
-  Section c = s.section("cylinder", "an upright cylinder; in plane strain a disk");
-  Cylinder cylinder{vector_of(c.numbers({"centre", "m", {}, dim == 3 ? "centre of the base" : "centre"}, dim)),
-                    c.number(keys::radius), 0};
+  Section c = s.section(keys::cylinder);
+  Cylinder cylinder{vector_of(c.numbers(dim == 3 ? centre_of_base : centre, dim)), c.number(keys::radius), 0};
   if (dim == 3) cylinder.height = c.number(keys::height);
-  c.close("a cylinder");
+  c.close();
   return cylinder;
 }
 
 /// A polygon, or an empty box in the place of one that is none.
 Region read_polygon(Section& s, int dim) {
-  Section p = s.section("polygon", "a polygon in the vertical plane");
+  Section p = s.section(keys::polygon);
   Polygon polygon{{}, 0, 0};
-  for (const auto& corner : p.points({"corners", "m", {}, "corners of the polygon, in order"}, 2))
-    polygon.corners.push_back({corner[0], corner[1]});
+  for (const auto& corner : p.points(corners)) polygon.corners.push_back({corner[0], corner[1]});
   if (dim == 3) {
-    polygon.from = p.number({"from", "m", {}, "where the prism begins along y"});
-    polygon.to = p.number({"to", "m", {}, "where the prism ends along y"});
+    polygon.from = p.number(from);
+    polygon.to = p.number(to);
   }
   const std::size_t n = polygon.corners.size();
   const std::string why =
       n > most_corners ? fmt::format("are {}; at most {} are possible", n, most_corners) : fault(polygon, dim);
   if (!why.empty()) p.complain("corners", why);
-  p.close("a polygon");
+  p.close();
   return why.empty() && n > 0 ? Region(polygon) : Region(Box{});
 }
 
 HalfSpace read_half_space(Section& s, int dim) {
-  Section h = s.section("half_space", "all points behind a plane");
-  const HalfSpace half{vector_of(h.numbers({"point", "m", {}, "a point on the plane"}, dim)),
-                       vector_of(h.numbers({"normal", "1", {}, "direction out of the solid"}, dim))};
-  h.close("a half-space");
+  Section h = s.section(keys::half_space);
+  const HalfSpace half{vector_of(h.numbers(point, dim)), vector_of(h.numbers(normal, dim))};
+  h.close();
   return half;
 }
 
 Sphere read_sphere(Section& s, int dim) {
-  Section b = s.section("sphere", "a sphere; in plane strain a disk");
-  const Sphere sphere{vector_of(b.numbers({"centre", "m", {}, "centre"}, dim)), b.number(keys::radius)};
-  b.close("a sphere");
+  Section b = s.section(keys::sphere);
+  const Sphere sphere{vector_of(b.numbers(centre, dim)), b.number(keys::radius)};
+  b.close();
   return sphere;
 }
 
 }  // namespace
+
+const Declaration& box_declaration() {
+  static const Declaration d("a box", {required(lower), required(upper)});
+  return d;
+}
+const Declaration& cylinder_declaration() {
+  static const Declaration d("a cylinder", {required(centre), required(keys::radius), depends(keys::height)});
+  return d;
+}
+const Declaration& polygon_declaration() {
+  static const Declaration d("a polygon", {required(corners), depends(from), depends(to)});
+  return d;
+}
+const Declaration& half_space_declaration() {
+  static const Declaration d("a half-space", {required(point), required(normal)});
+  return d;
+}
+const Declaration& sphere_declaration() {
+  static const Declaration d("a sphere", {required(centre), required(keys::radius)});
+  return d;
+}
 
 Region read_shape(Section& s, int dim) {
   Region region = Box{};
@@ -74,7 +100,7 @@ Region read_shape(Section& s, int dim) {
 }
 
 SolidShape read_solid_shape(Section& s, int dim) {
-  expect_one_of(s, {"half_space", "box", "sphere", "cylinder", "polygon"});
+  s.expect_one_of();
   if (s.has("half_space")) return read_half_space(s, dim);
   if (s.has("sphere")) return read_sphere(s, dim);
   return std::visit(

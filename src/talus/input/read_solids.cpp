@@ -1,23 +1,36 @@
 #include "talus/base/text.hpp"
-#include "talus/case/defaults.hpp"
 #include "talus/input/sections.hpp"
 
 namespace talus {
 
+namespace {
+
+constexpr Flag hollow{"hollow", "the solid is what lies outside its shape: a drum, a bowl, a pipe"};
+constexpr Table motion{"motion", "how the solid moves; without it, it rests", motion_declaration};
+
+}  // namespace
+
+const Declaration& solid_declaration() {
+  static const Declaration d("a solid",
+                             {optional(keys::half_space), optional(keys::box), optional(keys::sphere),
+                              optional(keys::cylinder), optional(keys::polygon), optional(hollow),
+                              required(key_of_contact().option), required(key_of_contact().table), optional(motion)},
+                             {"half_space", "box", "sphere", "cylinder", "polygon"});
+  return d;
+}
+
 void read_solids(Section& root, Case& case_, const std::string& folder) {
   if (!root.has("solid")) return;
-  for (auto& [name, s] : root.named_sections("solid", "rigid solids inside the domain")) {
+  for (auto& [name, s] : root.named_sections(keys::solids)) {
     Solid solid{name, read_solid_shape(s, case_.dim), {}};
-    solid.hollow = s.flag("hollow", solid.hollow, "the solid is what lies outside its shape: a drum, a bowl, a pipe");
-    solid.contact = read_surface(
-        s, {{"contact", "what its surface does to material", contact_choices}, contact_kinds, separates_from_solid},
-        case_);
+    solid.hollow = s.flag(hollow, solid.hollow);
+    solid.contact = read_surface(s, key_of_contact(), case_);
     if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction", "rough"}));
     if (s.has("motion")) {
-      Section m = s.section("motion", "how the solid moves; without it, it rests");
+      Section m = s.section(motion);
       solid.motion = read_motion(m, case_.dim, folder);
     }
-    s.close("a solid");
+    s.close();
     case_.solids.push_back(std::move(solid));
   }
 }

@@ -1,12 +1,32 @@
 #include <fmt/format.h>
 
 #include "talus/case/defaults.hpp"
-#include "talus/case/keys.hpp"
 #include "talus/input/sections.hpp"
 
 namespace talus {
 
 namespace {
+
+constexpr WallKind wall_kinds[] = {WallKind::open,     WallKind::outflow, WallKind::slip,     WallKind::no_slip,
+                                   WallKind::friction, WallKind::rough,   WallKind::symmetry, WallKind::periodic};
+constexpr const char *meaning_of_wall = "wall on this side of the domain",
+                     *meaning_of_contact = "what its surface does to material";
+constexpr Flag separates{"separates", "material may lift off; otherwise it is held"};
+
+/// The table of a surface that may be of some kinds.
+Declaration declaration_of(const Option& kind) {
+  return {"a wall",
+          {required(kind), required(keys::friction).with("kind", {"friction"}),
+           optional(separates).with("kind", {"slip", "friction", "rough"})}};
+}
+const Declaration& wall_declaration() {
+  static const Declaration d = declaration_of({"kind", meaning_of_wall, wall_choices});
+  return d;
+}
+const Declaration& contact_declaration() {
+  static const Declaration d = declaration_of({"kind", meaning_of_contact, contact_choices});
+  return d;
+}
 
 constexpr std::string_view example = "write { kind = \"friction\", friction = 0.38 }";
 
@@ -26,10 +46,23 @@ Wall read_word(Section& s, const SurfaceKey& surface, const Case& case_) {
 
 }  // namespace
 
+SurfaceKey key_of_wall(int side) {
+  const std::string_view key = side_choices[side].word;
+  return {
+      {key, meaning_of_wall, wall_choices}, {key, meaning_of_wall, wall_declaration}, wall_kinds, separates_from_wall};
+}
+
+SurfaceKey key_of_contact() {
+  return {{"contact", meaning_of_contact, contact_choices},
+          {"contact", meaning_of_contact, contact_declaration},
+          contact_kinds,
+          separates_from_solid};
+}
+
 Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_) {
   const Option& option = surface.option;
   if (!s.is_table(option.key)) return read_word(s, surface, case_);
-  Section t = s.section(option.key, option.meaning);
+  Section t = s.section(surface.table);
   Wall wall(surface.kinds[std::size_t(t.required_choice({"kind", option.meaning, option.choices}))]);
   if (wall.kind == WallKind::friction)
     wall.friction = t.number(keys::friction);
@@ -37,10 +70,10 @@ Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_) {
     t.complain("friction", fmt::format("goes with kind `friction` only; {}", example));
   if (wall.kind == WallKind::rough) note_friction(t, "kind", case_);
   if (wall.kind == WallKind::friction || wall.kind == WallKind::rough || wall.kind == WallKind::slip)
-    wall.separates = t.flag("separates", surface.separates(wall.kind), "material may lift off; otherwise it is held");
+    wall.separates = t.flag(separates, surface.separates(wall.kind));
   else if (t.has("separates"))
     t.complain("separates", "goes with kinds `slip` and `friction` only");
-  t.close("a wall");
+  t.close();
   return wall;
 }
 

@@ -5,8 +5,7 @@
 
 namespace talus {
 
-/// A JSON Schema (draft 7) of cases and element tests, made by asking the readers themselves: they read made-up files,
-/// and what they ask for, with its unit, range, words and meaning, is what a file may hold.
+/// A JSON Schema (draft 7) of cases and element tests, printed from the declarations that their readers read by.
 std::string schema_of_inputs();
 
 }  // namespace talus

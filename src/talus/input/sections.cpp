@@ -16,12 +16,6 @@ Vec<3> vector_of(const std::vector<double>& values) {
   return v;
 }
 
-void expect_one_of(Section& s, const std::vector<std::string_view>& keys) {
-  int given = 0;
-  for (std::string_view k : keys) given += s.has(k);
-  if (given != 1) s.complain("must have exactly one of " + any_of(keys, "and"));
-}
-
 void expect_absent(Section& s, std::initializer_list<const char*> keys, std::string_view with) {
   for (const char* key : keys)
     if (s.has(key)) s.complain(key, fmt::format("goes with `{}` only", with));

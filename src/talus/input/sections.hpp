@@ -7,9 +7,22 @@
 #include <vector>
 
 #include "talus/case/case.hpp"
+#include "talus/case/keys.hpp"
 #include "talus/input/reader.hpp"
 
 namespace talus {
+
+// ---- what sections hold -----------------------------------------------------------------------------------------
+
+const Declaration& case_declaration();
+const Declaration& domain_declaration();
+const Declaration& material_declaration();
+const Declaration& body_declaration();
+const Declaration& load_declaration();
+const Declaration& solid_declaration();
+const Declaration& motion_declaration();
+const Declaration& numerics_declaration();
+const Declaration& output_declaration();
 
 // ---- sections of a case, each into its part of the case ----------------------------------------------------------
 
@@ -22,15 +35,48 @@ void read_solids(Section& root, Case& case_, const std::string& folder);
 void read_numerics(Section& numerics, Case& case_);
 void read_output(Section& root, Case& case_);
 
+namespace keys {
+inline constexpr NamedTables materials{{"material", "what bodies are made of", material_declaration}};
+inline constexpr Table domain{"domain", "the box the grid fills", domain_declaration};
+inline constexpr NamedTables bodies{{"body", "the bodies, each a region filled with particles", body_declaration}};
+inline constexpr NamedTables loads{{"load", "stresses on the sides of bodies", load_declaration}};
+inline constexpr NamedTables solids{{"solid", "rigid solids inside the domain", solid_declaration}};
+inline constexpr Table numerics{"numerics", "how the equations are solved", numerics_declaration};
+inline constexpr Option preset{"preset", "where the defaults of the other keys come from", preset_choices};
+inline constexpr Table output{"output", "what is written", output_declaration};
+}  // namespace keys
+
 // ---- what several sections hold ----------------------------------------------------------------------------------
 
 /// A key that says what a surface does to material: a word, or a table where it takes numbers.
 struct SurfaceKey {
   Option option;
+  Table table;
   std::span<const WallKind> kinds;  ///< that the words of `option` mean
   bool (*separates)(WallKind);      ///< whether material may lift off by default
 };
+/// A side of the domain, and the surface of a solid.
+SurfaceKey key_of_wall(int side);
+SurfaceKey key_of_contact();
 Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_);
+
+/// Tables of shapes.
+const Declaration& box_declaration();
+const Declaration& cylinder_declaration();
+const Declaration& polygon_declaration();
+const Declaration& half_space_declaration();
+const Declaration& sphere_declaration();
+const Declaration& image_declaration();
+const Declaration& points_declaration();
+namespace keys {
+inline constexpr Table box{"box", "all points between two corners", box_declaration};
+inline constexpr Table cylinder{"cylinder", "an upright cylinder; in plane strain a disk", cylinder_declaration};
+inline constexpr Table polygon{"polygon", "a polygon in the vertical plane", polygon_declaration};
+inline constexpr Table half_space{"half_space", "all points behind a plane", half_space_declaration};
+inline constexpr Table sphere{"sphere", "a sphere; in plane strain a disk", sphere_declaration};
+inline constexpr Table image{"image", "the dark pixels of a picture", image_declaration};
+inline constexpr Table points{"points", "particles listed in a file", points_declaration};
+}  // namespace keys
 
 /// The key `box`, `cylinder` or `polygon`, whichever there is.
 Region read_shape(Section& s, int dim);
@@ -46,8 +92,6 @@ PrescribedMotion read_motion(Section& s, int dim, const std::string& folder);
 /// Numbers as a vector; components that are not there are zero.
 Vec<3> vector_of(const std::vector<double>& values);
 
-/// Complains unless exactly one of some keys is there.
-void expect_one_of(Section& s, const std::vector<std::string_view>& keys);
 /// Complains of keys that go with another one only.
 void expect_absent(Section& s, std::initializer_list<const char*> keys, std::string_view with);
 /// Complains where instants do not increase or are not as many as what they are given for, and makes the function empty.

@@ -9,6 +9,11 @@
 
 namespace talus {
 
+const Declaration& element_test_declaration();
+const Declaration& segment_declaration();
+/// The keys of tests by their names.
+std::vector<Entry> entries_of_named_tests();
+
 /// The table [[segment]]: as many segments as it makes of the path. Files it names are looked for in `folder`.
 std::vector<Segment> read_segment(Section& s, const std::string& folder);
 
