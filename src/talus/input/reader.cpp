@@ -304,7 +304,7 @@ int Section::required_choice(const Option& option) {
 
 std::vector<double> Section::numbers(const Parameter& p, int n) {
   ask(asked(Asked::Kind::numbers, p, true, n));
-  const std::vector<double> harmless(std::max(n, 1), 0.0);
+  std::vector<double> harmless(std::max(n, 1), 0.0);
   const toml::node* node = require(p.key, p.meaning);
   if (!node) return harmless;
   const toml::array* list = node->as_array();
