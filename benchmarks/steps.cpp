@@ -136,7 +136,7 @@ snapshots = "1 s"
 history = "1 s"
 )",
                   corner(domain.low), corner(domain.high), material, corner(block.low), corner(block.high));
-  return read_case_text("ground", text).what;
+  return read_case_text("ground", text).case_;
 }
 
 /// A cube that stands free.
@@ -144,7 +144,7 @@ Case column_3d(int edge, const char* material) {
   return ground({{-2 * edge, -2 * edge, 0}, {3 * edge, 3 * edge, 2 * edge}}, {{0, 0, 0}, {edge, edge, edge}}, material);
 }
 
-Case slump() { return read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").what; }
+Case slump() { return read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").case_; }
 
 /// Makes a case one of the slump's grains, which stand in its file, at rest under their weight.
 Case of_grains(Case what) {
@@ -239,7 +239,7 @@ void run(const Benchmark& benchmark, bool quick) {
   const double block_seconds = quick ? 0.2 : 1;
   forget_peak();
   TimedLoop loop(2);
-  const auto simulation = make_simulation(benchmark.what, loop);
+  const auto simulation = make_simulation(benchmark.case_, loop);
   loop.threaded = true;
   measure(*simulation, loop, benchmark.first_steps);
   const double n = double(simulation->n_particles());
@@ -277,12 +277,12 @@ void run(const Benchmark& benchmark, bool quick) {
 void run_with_snapshots(const Benchmark& benchmark) {
   constexpr int n_blocks = 3, every = 100;
   TimedLoop loop(2);
-  const auto simulation = make_simulation(benchmark.what, loop);
+  const auto simulation = make_simulation(benchmark.case_, loop);
   loop.threaded = true;
   measure(*simulation, loop, benchmark.first_steps);
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("talus_steps_{}", ::getpid());
   std::filesystem::create_directories(folder);
-  SnapshotSeries snapshots(folder, default_fields(benchmark.what));
+  SnapshotSeries snapshots(folder, default_fields(benchmark.case_));
 
   fmt::print("\n{}, with a snapshot every {} steps beside none:\n", benchmark.name, every);
   for (int threads : {1, 2}) {

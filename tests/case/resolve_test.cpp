@@ -288,7 +288,7 @@ TEST(Resolve, ACaseMadeInCppIsTheOneReadFromItsFile) {
     SCOPED_TRACE(entry.path().string());
     const auto made = cases_in_cpp.find(entry.path().stem().string());
     ASSERT_NE(made, cases_in_cpp.end()) << "has no like in C++";
-    expect_same(resolve(made->second()), read_case(entry.path()).what);
+    expect_same(resolve(made->second()), read_case(entry.path()).case_);
     ++n;
   }
   EXPECT_EQ(n, int(cases_in_cpp.size()));

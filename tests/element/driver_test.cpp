@@ -16,7 +16,7 @@ ElementResult run(const std::string& rest,
                   const std::string& material = "law = \"linear_elastic\"\nE = \"10 MPa\"\nnu = 0.25\n",
                   const std::string& initial = "pressure = \"100 kPa\"\n") {
   const std::string text = "title = \"test\"\n[material]\n" + material + "[initial]\n" + initial + rest;
-  return run_element_test(read_element_test_text("test.toml", text, ".").what);
+  return run_element_test(read_element_test_text("test.toml", text, ".").test);
 }
 
 const std::string sand =

@@ -45,7 +45,7 @@ void expect_complaint(const std::string& what, const std::string& with, const st
 
 TEST(ReadCase, UnderstandsTheSlump) {
   const CaseFile file = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml");
-  const Case& c = file.what;
+  const Case& c = file.case_;
   EXPECT_EQ(c.dim, 2);
   EXPECT_DOUBLE_EQ(c.cell, 2e-3);
   EXPECT_EQ(c.n_cells[0], 240);
@@ -145,7 +145,7 @@ TEST(ReadCase, WhatDoesNotFitTogetherIsRefused) {
 TEST(ReadCase, ADomainMayHaveAMillionCellsAlongAnAxisAndNoMore) {
   const std::string corner = "max = [\"240 mm\", \"64 mm\"]";
   const CaseFile file = read_case_text("case.toml", slump(corner, "max = [\"1999.76 m\", \"2 km\"]"));
-  EXPECT_EQ(file.what.n_cells, (Index<3>{1000000, 1000000, 0}));
+  EXPECT_EQ(file.case_.n_cells, (Index<3>{1000000, 1000000, 0}));
   expect_complaint(corner, "max = [\"2.1 km\", \"64 mm\"]", "at most 1e6 are possible");
 }
 
@@ -157,17 +157,17 @@ TEST(ReadCase, ALawIsAskedOnlyForWhatItStartsFrom) {
     return t.replace(t.find(what), what.size(), with);
   };
   text = replaced("mohr_coulomb", "drucker_prager");
-  EXPECT_EQ(read_case_text("case.toml", text).what.materials.at(0).density, 1600);
+  EXPECT_EQ(read_case_text("case.toml", text).case_.materials.at(0).density, 1600);
   EXPECT_NE(complaints(replaced("spacing =", "void_ratio = 0.8\nspacing =")).find("void_ratio is no key of a body"),
             std::string::npos);
   EXPECT_NE(complaints(replaced("psi = \"0 deg\"", "psi = \"31 deg\"")).find("must not exceed phi"), std::string::npos);
 }
 
 TEST(ReadCase, AStiffnessFactorAboveZeroAndUpToOneIsTaken) {
-  EXPECT_EQ(read_case_text("case.toml", slump()).what.numerics.stiffness_factor, 1);
+  EXPECT_EQ(read_case_text("case.toml", slump()).case_.numerics.stiffness_factor, 1);
   for (const char* factor : {"0.1", "1e-3", "1"}) {
     const std::string text = slump("[run]", "[numerics]\nstiffness_factor = " + std::string(factor) + "\n[run]");
-    EXPECT_EQ(read_case_text("case.toml", text).what.numerics.stiffness_factor, std::stod(factor));
+    EXPECT_EQ(read_case_text("case.toml", text).case_.numerics.stiffness_factor, std::stod(factor));
   }
   for (const char* factor : {"0", "-0.1", "2", "1.000001"})
     expect_complaint("[run]", "[numerics]\nstiffness_factor = " + std::string(factor) + "\n[run]",
@@ -187,7 +187,7 @@ TEST(ReadCase, AStiffnessThatALawDoesNotHaveCannotBeScaled) {
 
 /// The numerics of the slump with a text as its section [numerics].
 Numerics with_numerics(const std::string& lines) {
-  return read_case_text("case.toml", slump("[run]", "[numerics]\n" + lines + "\n[run]")).what.numerics;
+  return read_case_text("case.toml", slump("[run]", "[numerics]\n" + lines + "\n[run]")).case_.numerics;
 }
 
 TEST(ReadCase, TheStepsMayBeAsLongAsTheShapeBears) {
@@ -215,7 +215,7 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
 
 TEST(ReadCase, ThePapersPresetIsItsWholeSchemeAndGivesWayToWhatIsSpelt) {
   const CaseFile file = read_case_text("case.toml", slump("[run]", "[numerics]\npreset = \"paper\"\n[run]"));
-  const Numerics& n = file.what.numerics;
+  const Numerics& n = file.case_.numerics;
   EXPECT_EQ(n.shape_function, ShapeFunction::linear);
   EXPECT_EQ(n.transfer, Transfer::flip);
   EXPECT_EQ(n.flip_share, 1);
@@ -225,7 +225,7 @@ TEST(ReadCase, ThePapersPresetIsItsWholeSchemeAndGivesWayToWhatIsSpelt) {
   EXPECT_FALSE(n.particle_shifting);
   EXPECT_FALSE(n.f_bar);
   EXPECT_DOUBLE_EQ(*n.dt, 1e-6);
-  EXPECT_EQ(std::get<GranularWithHistory>(file.what.materials.at(0).law).collisional.form, CollisionalForm::rate);
+  EXPECT_EQ(std::get<GranularWithHistory>(file.case_.materials.at(0).law).collisional.form, CollisionalForm::rate);
   for (const Understood& u : file.understood)
     if (u.path == "material.glass.collisional_form") {
       EXPECT_EQ(u.value, "rate");
@@ -250,7 +250,7 @@ TEST(ReadCase, AroundAnAxisTheRadiusIsNotNegativeAndTheAxisIsSmooth) {
     replace("min = [\"-40 mm\", \"0 mm\"]", "min = [\"0 mm\", \"0 mm\"]");
     return text;
   };
-  const Case c = read_case_text("case.toml", around("0 mm", "x_min = \"slip\"\ny_min = \"no_slip\"")).what;
+  const Case c = read_case_text("case.toml", around("0 mm", "x_min = \"slip\"\ny_min = \"no_slip\"")).case_;
   EXPECT_EQ(c.dim, 2);
   EXPECT_TRUE(c.axisymmetric);
   for (const char* walls : {"y_min = \"no_slip\"", "x_min = \"no_slip\""}) {
@@ -312,7 +312,7 @@ void expect_complaint_about_solid(const std::string& lines, const std::string& p
 
 TEST(ReadCase, AWallIsAWordOrATable) {
   const auto floor = [](const std::string& wall) {
-    return read_case_text("case.toml", slump("y_min = \"rough\"", "y_min = " + wall)).what.walls[2];
+    return read_case_text("case.toml", slump("y_min = \"rough\"", "y_min = " + wall)).case_.walls[2];
   };
   EXPECT_EQ(floor("\"slip\""), Wall(WallKind::slip));
   EXPECT_EQ(floor("{ kind = \"friction\", friction = 0.38 }"), Wall(WallKind::friction, 0.38, true));
@@ -353,7 +353,7 @@ TEST(ReadCase, ABodyMayReachThroughAPlaneOfSymmetryAndNoOther) {
   EXPECT_NE(complaints(half).find("lies outside the domain along x"), std::string::npos);
   const auto walls = half.find("y_min = ");
   half.insert(walls, "x_min = \"symmetry\"\n");
-  EXPECT_EQ(read_case_text("case.toml", half).what.walls[0].kind, WallKind::symmetry);
+  EXPECT_EQ(read_case_text("case.toml", half).case_.walls[0].kind, WallKind::symmetry);
   std::string thrown = half;
   thrown.insert(thrown.find("void_ratio ="), "velocity = [\"1 m/s\", \"0 m/s\"]\n");
   EXPECT_NE(complaints(thrown).find("carries the body through the plane of symmetry"), std::string::npos);
@@ -366,7 +366,7 @@ TEST(ReadCase, ASolidHasAShapeAContactAndIfItMovesAMotion) {
   const Case c = read_case_text("case.toml", with_solid(gate + R"(
 contact = { kind = "friction", friction = 0.2 }
 motion = { velocity = ["0 m/s", "0.56 m/s"], from = "10 ms", until = "60 ms" })"))
-                     .what;
+                     .case_;
   ASSERT_EQ(c.solids.size(), 1u);
   EXPECT_EQ(c.solids[0].name, "gate");
   EXPECT_EQ(c.solids[0].contact, Wall(WallKind::friction, 0.2, true));
@@ -376,7 +376,7 @@ motion = { velocity = ["0 m/s", "0.56 m/s"], from = "10 ms", until = "60 ms" })"
       read_case_text("case.toml", with_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [-3, 4] }
 contact = "slip"
 motion = { times = ["1 s", "2 s"], displacements = [["0 m", "0 m"], ["1 mm", "0 m"]] })"))
-          .what;
+          .case_;
   EXPECT_DOUBLE_EQ(std::get<HalfSpace>(ramp.solids[0].shape).normal[0], -0.6);
   EXPECT_EQ(ramp.solids[0].contact, Wall(WallKind::slip, 0, true));
   EXPECT_DOUBLE_EQ(ramp.solids[0].motion.at(1.5).velocity[0], 1e-3);
@@ -387,14 +387,14 @@ TEST(ReadCase, ASolidMayBeHollowAndMayTurn) {
 hollow = true
 contact = "no_slip"
 motion = { rotation = { centre = ["0 mm", "30 mm"], rate = "30 deg/s", from = "1 s", until = "4 s" } })"))
-                     .what;
+                     .case_;
   EXPECT_TRUE(c.solids[0].hollow);
   EXPECT_NEAR(c.solids[0].motion.angle.at(9), std::numbers::pi / 2, 1e-12);
   EXPECT_NEAR(c.solids[0].motion.at(2).velocity_at({0.3, 0.03, 0})[1], 0.3 * std::numbers::pi / 6, 1e-12);
   const Case blade = read_case_text("case.toml", with_solid(gate + R"(
 contact = "slip"
 motion = { velocity = ["0 m/s", "1 m/s"], rotation = { centre = ["42 mm", "60 mm"], times = ["0 s", "1 s"], angles = ["0 deg", "-45 deg"] } })"))
-                         .what;
+                         .case_;
   EXPECT_NEAR(blade.solids[0].motion.angle.at(0.5), -std::numbers::pi / 8, 1e-12);
   EXPECT_EQ(blade.solids[0].motion.displacement.at(0.5)[1], 0.5);
 }

@@ -221,7 +221,7 @@ TEST_F(Refusal, SizesBeforeMemoryIsAskedFor) {
 }
 
 TEST_F(Refusal, IsByAnEstimateOfMemoryThatHoldsTheParticles) {
-  const Case c = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").what;
+  const Case c = read_case(TALUS_SOURCE_DIR "/cases/slump_2d.toml").case_;
   const auto loop = make_serial();
   const double stored = double(make_simulation(c, *loop)->bytes());  // particles and the grid near them
   EXPECT_GT(estimated_bytes(c), stored);

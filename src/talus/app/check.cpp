@@ -137,7 +137,7 @@ ExpectedSteps expect_steps(const Case& case_, Backend& loop, double first_dt, do
 
 int check_case(const std::string& case_file, int threads) {
   const CaseFile input = read_case(case_file);
-  const Case& case_ = input.what;
+  const Case& case_ = input.case_;
   fmt::print("{} is understood as\n", case_file);
   print_understood(input.understood);
   print_notices(case_);

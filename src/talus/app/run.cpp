@@ -67,7 +67,7 @@ class Run {
 Run::Run(const RunOptions& options)
     : options_(options),
       task_(read_task_to_end(options)),
-      case_(task_.input.what),
+      case_(task_.input.case_),
       loop_(make_openmp(options.threads)),
       simulation_(make_simulation(case_, *loop_)),
       outlines_(case_, simulation_->places()),
@@ -92,7 +92,7 @@ int Run::run() {
 
 Task Run::read_task_to_end(const RunOptions& options) {
   Task task = read_task(options);
-  Case& case_ = task.input.what;
+  Case& case_ = task.input.case_;
   case_.end = end_of(task, options);
   std::erase_if(*case_.output.pictures, [&](double t) { return t > case_.end; });
   expect_memory_for(case_);

@@ -91,12 +91,12 @@ void read_saved_run(Task& task) {
                     "of --resume begins anew",
                     task.folder.string()));
   if (!task.saved) return;
-  const OutputSpec output = task.input.what.output;
+  const OutputSpec output = task.input.case_.output;
   task.case_file = task.saved->so_far.case_file;
   task.case_text = task.saved->so_far.case_text;
   task.input = read_case_text(task.case_file, task.case_text);
-  task.input.what.output.checkpoints = output.checkpoints;
-  task.input.what.output.checkpoint_wall = output.checkpoint_wall;
+  task.input.case_.output.checkpoints = output.checkpoints;
+  task.input.case_.output.checkpoint_wall = output.checkpoint_wall;
 }
 
 }  // namespace
@@ -126,7 +126,7 @@ void expect_memory_for(const Case& case_) {
 
 double end_of(const Task& task, const RunOptions& options) {
   const std::optional<double> asked = until(options);
-  if (!task.saved) return asked.value_or(task.input.what.end);
+  if (!task.saved) return asked.value_or(task.input.case_.end);
   const RunSoFar& so_far = task.saved->so_far;
   if (asked && *asked < so_far.end && *asked <= so_far.time)
     throw InputError(fmt::format("--until {}: the run is at t = {:.6g} s already", options.until, so_far.time));

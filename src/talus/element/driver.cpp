@@ -348,7 +348,7 @@ class Driver {
     row.push_back(von_mises(deviator(total)));
     for (const auto& q : Law::quantities()) {
       double v[6];
-      q.tell(law_, now_.state, from_soil_sign(now_.rate), v);
+      q.evaluate(law_, now_.state, from_soil_sign(now_.rate), v);
       if (q.components == 6)
         six(in_soil_sign({v[0], v[1], v[2], v[3], v[4], v[5]}));
       else

@@ -152,7 +152,7 @@ void CurveReader::add_reading(const Source& source, std::size_t reading, CurveSp
       curve.tests.emplace_back();
       if (!has_curve) return;
       const std::string text = with_replaced(source.file, {&source.set, &sets_[reading]});
-      curve.tests.back() = CurveTest{text, read_element_test_text(name(""), text, folder_).what};
+      curve.tests.back() = CurveTest{text, read_element_test_text(name(""), text, folder_).test};
     } else {
       curve.runs.emplace_back();
       if (!has_curve) return;

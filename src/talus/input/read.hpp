@@ -20,11 +20,11 @@ struct Understood {
 };
 
 struct CaseFile {
-  Case what;
+  Case case_;
   std::vector<Understood> understood;
 };
 struct ElementTestFile {
-  ElementTest what;
+  ElementTest test;
   std::vector<Understood> understood;
 };
 

@@ -165,7 +165,7 @@ std::span<const QuantityOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::qu
     std::vector<QuantityOf<GranularOf>> both;
     for (const auto& q : Simsand::quantities())
       both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) {
-                        q.tell(l.frictional, s.frictional, d, v);
+                        q.evaluate(l.frictional, s.frictional, d, v);
                       }});
     for (const auto& q : MuI::quantities()) {
       if (q.name == "void_ratio") continue;  // told by the contacts
@@ -174,7 +174,7 @@ std::span<const QuantityOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::qu
                         alone.history.stress = collisional_stress(s);
                         alone.history.p_f = pressure(s.frictional.stress);
                         alone.void_ratio = l.frictional.void_ratio(s.frictional);
-                        q.tell(l.collisional, alone, d, v);
+                        q.evaluate(l.collisional, alone, d, v);
                       }});
     }
     return both;

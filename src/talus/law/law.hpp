@@ -155,11 +155,11 @@ struct Quantity {
   std::string_view meaning;
 };
 
-/// A quantity together with how a law tells it, from a state and the present strain rate [1/s].
+/// A quantity together with how it follows from a state and the present strain rate [1/s].
 template <class Law>
 struct QuantityOf : Quantity {
   using State = typename Law::template State<double>;
-  std::function<void(const Law&, const State&, const SymTensor<double>& strain_rate, double* values)> tell;
+  std::function<void(const Law&, const State&, const SymTensor<double>& strain_rate, double* values)> evaluate;
 };
 
 /// The outcome of points that carry a pressure or not, have yielded or not, are separated or not.

@@ -50,22 +50,22 @@ std::vector<double> first_particles(const Model<Dim, Shape>& m, const Body<Dim>&
 
 template <int Dim, class Shape>
 void save(const Model<Dim, Shape>& m, const Ledger& ledger, const StepTally& tally, const Carried& carried,
-          const TakeNumbers& take) {
-  take("ledger", image_of(ledger));
-  take("tally", image_of(tally));
-  take("carried", image_of(carried));
+          const WriteArray& write) {
+  write("ledger", image_of(ledger));
+  write("tally", image_of(tally));
+  write("carried", image_of(carried));
   Message tiles;  // place, first and last cell of every occupied one
   for (int t = 0; t < m.grid.n_occupied(); ++t)
     if (m.grid.tile(t).owned)
       for (const Index<Dim>& corner : {m.grid.tile(t).place, m.grid.cells()[t].low, m.grid.cells()[t].high})
         tiles.insert(tiles.end(), corner.begin(), corner.end());
-  take("tiles", joined(m.backend, tiles));
+  write("tiles", joined(m.backend, tiles));
   std::vector<double> closed;  // tile, node and surface of every closed contact, and whether it sticks
   for (const ClosedContact<Dim>& c : closed_contacts(m))
     closed.insert(closed.end(), {double(c.tile_number), double(c.node), double(c.surface), double(c.sticks)});
-  take("closed contacts", closed);
+  write("closed contacts", closed);
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    take(fmt::format("body {}: first particles of tiles", b), first_particles<Dim, Shape>(m, m.bodies[b]));
+    write(fmt::format("body {}: first particles of tiles", b), first_particles<Dim, Shape>(m, m.bodies[b]));
     const Columns& columns = m.bodies[b].particles.columns();
     const ParticleLayout& layout = m.bodies[b].particles.layout();
     for (int f = 0; f < n_particle_fields; ++f)
@@ -73,9 +73,9 @@ void save(const Model<Dim, Shape>& m, const Ledger& ledger, const StepTally& tal
         const double* column = columns.column(layout.begin(ParticleField(f)) + k);
         const std::string name = fmt::format("body {}: {} {}", b, particle_fields[f].name, k);
         if (m.backend.n_owners() == 1)
-          take(name, {column, std::size_t(columns.size())});
+          write(name, {column, std::size_t(columns.size())});
         else
-          take(name, joined(m.backend, Message(column, column + columns.size())));
+          write(name, joined(m.backend, Message(column, column + columns.size())));
       }
   }
 }
@@ -83,8 +83,8 @@ void save(const Model<Dim, Shape>& m, const Ledger& ledger, const StepTally& tal
 namespace detail {
 
 /// What was saved under a name, of which there must be so many numbers.
-inline std::vector<double> given(const GiveNumbers& give, const std::string& name, std::size_t n) {
-  std::vector<double> values = give(name);
+inline std::vector<double> read_exactly(const ReadArray& read, const std::string& name, std::size_t n) {
+  std::vector<double> values = read(name);
   if (values.size() != n) throw std::runtime_error(fmt::format("`{}` has {} numbers, not {}", name, values.size(), n));
   return values;
 }
@@ -92,8 +92,8 @@ inline std::vector<double> given(const GiveNumbers& give, const std::string& nam
 /// The tiles as they were: which they are, and in what order they are added up, was decided when particles were last put
 /// in order.
 template <int Dim>
-RunTiles<Dim> given_tiles(const GiveNumbers& give) {
-  const std::vector<double> numbers = give("tiles");
+RunTiles<Dim> read_tiles(const ReadArray& read) {
+  const std::vector<double> numbers = read("tiles");
   RunTiles<Dim> run;
   run.places.resize(numbers.size() / (3 * Dim));
   run.cells.resize(run.places.size());
@@ -107,7 +107,7 @@ RunTiles<Dim> given_tiles(const GiveNumbers& give) {
 /// Takes this owner's particles of a body: those of its tiles, [first, last) of the run.
 template <int Dim>
 void restore_body(Body<Dim>& body, std::size_t number, const std::vector<double>& begins, std::size_t n,
-                  std::size_t first, std::size_t last, const GiveNumbers& give) {
+                  std::size_t first, std::size_t last, const ReadArray& read) {
   const auto begin_of = [&](std::size_t t) { return t < begins.size() ? std::size_t(begins[t]) : n; };
   const std::size_t from = begin_of(first), to = begin_of(last);
   body.particles.resize(int(to - from));
@@ -117,7 +117,7 @@ void restore_body(Body<Dim>& body, std::size_t number, const std::vector<double>
   const ParticleLayout& layout = body.particles.layout();
   for (int f = 0; f < n_particle_fields; ++f)
     for (int k = 0; k < layout.components(ParticleField(f)); ++k) {
-      const auto values = given(give, fmt::format("body {}: {} {}", number, particle_fields[f].name, k), n);
+      const auto values = read_exactly(read, fmt::format("body {}: {} {}", number, particle_fields[f].name, k), n);
       std::copy(values.begin() + std::ptrdiff_t(from), values.begin() + std::ptrdiff_t(to),
                 body.particles.columns().column(layout.begin(ParticleField(f)) + k));
     }
@@ -126,21 +126,21 @@ void restore_body(Body<Dim>& body, std::size_t number, const std::vector<double>
 }  // namespace detail
 
 template <int Dim, class Shape>
-void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& carried, const GiveNumbers& give) {
+void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& carried, const ReadArray& read) {
   using namespace detail;
-  set_from_image(ledger, given(give, "ledger", image_of(ledger).size()));
-  set_from_image(tally, given(give, "tally", image_of(tally).size()));
-  set_from_image(carried, given(give, "carried", image_of(carried).size()));
-  RunTiles<Dim> run = given_tiles<Dim>(give);
+  set_from_image(ledger, read_exactly(read, "ledger", image_of(ledger).size()));
+  set_from_image(tally, read_exactly(read, "tally", image_of(tally).size()));
+  set_from_image(carried, read_exactly(read, "carried", image_of(carried).size()));
+  RunTiles<Dim> run = read_tiles<Dim>(read);
   const std::size_t n_tiles = run.places.size();
   std::vector<std::vector<double>> begins;
   std::vector<std::size_t> sizes;
   m.n_particles = 0;
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    const std::size_t n = give(fmt::format("body {}: position 0", b)).size();
+    const std::size_t n = read(fmt::format("body {}: position 0", b)).size();
     if (n > std::size_t(m.n_at_start[b]))  // fewer if some have left
       throw std::runtime_error(fmt::format("body {} has {} particles, not {}", b, n, m.n_at_start[b]));
-    begins.push_back(given(give, fmt::format("body {}: first particles of tiles", b), n_tiles));
+    begins.push_back(read_exactly(read, fmt::format("body {}: first particles of tiles", b), n_tiles));
     sizes.push_back(n);
     m.n_particles += long(n);
     for (std::size_t t = 0; t < n_tiles; ++t)
@@ -150,9 +150,9 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
   const auto own = std::equal_range(owners.begin(), owners.end(), m.backend.owner());
   for (std::size_t b = 0; b < m.bodies.size(); ++b)
     restore_body<Dim>(m.bodies[b], b, begins[b], sizes[b], std::size_t(own.first - owners.begin()),
-                      std::size_t(own.second - owners.begin()), give);
+                      std::size_t(own.second - owners.begin()), read);
   settle_on_grid(m, std::move(run));
-  const std::vector<double> closed = give("closed contacts");
+  const std::vector<double> closed = read("closed contacts");
   for (std::size_t i = 0; i + 3 < closed.size(); i += 4) {
     const auto tile = std::lower_bound(m.halo.number.begin(), m.halo.number.end(), long(closed[i]));
     if (!(closed[i] >= 0) || (m.backend.n_owners() == 1 && tile == m.halo.number.end()))

@@ -22,7 +22,7 @@ template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
                   Observation& seen) {
   const Particles<Dim>& p = body.particles;
-  const auto put = [&](const Quantity& q, auto tell) {
+  const auto put = [&](const Quantity& q, auto evaluate) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
       seen.fields.push_back(
@@ -30,7 +30,7 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
            std::vector<double>(std::size_t(n) * q.components, std::numeric_limits<double>::quiet_NaN())});
       field = seen.fields.end() - 1;
     }
-    for (int i = 0; i < p.size(); ++i) tell(i, &field->values[std::size_t(p.id()[i]) * q.components]);
+    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[std::size_t(p.id()[i]) * q.components]);
   };
   put(place, [&](int i, double* v) {
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0;
@@ -59,7 +59,8 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
         });
         put(common("p"), [&](int i, double* v) { *v = pressure(Law::total_stress(state(i))); });
         put(common("q"), [&](int i, double* v) { *v = von_mises(deviator(Law::total_stress(state(i)))); });
-        for (const auto& q : Law::quantities()) put(q, [&](int i, double* v) { q.tell(law, state(i), rates[i], v); });
+        for (const auto& q : Law::quantities())
+          put(q, [&](int i, double* v) { q.evaluate(law, state(i), rates[i], v); });
       },
       body.law);
 }
@@ -154,7 +155,7 @@ std::string describe(const Body<Dim>& body, int i) {
       [&]<class Law>(const Law& law) {
         for (const auto& q : Law::quantities()) {
           double values[6];
-          q.tell(law, state_of<Law>(p, i), SymTensor<double>::zero(), values);
+          q.evaluate(law, state_of<Law>(p, i), SymTensor<double>::zero(), values);
           line(q.name, values, q.components, q.unit);
         }
       },

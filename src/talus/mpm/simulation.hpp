@@ -42,9 +42,9 @@ struct ParticlePlaces {
   std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
 };
 
-/// Takes or gives one array of what decides how a run goes on, by its name.
-using TakeNumbers = std::function<void(const std::string& name, std::span<const double> values)>;
-using GiveNumbers = std::function<std::vector<double>(const std::string& name)>;
+/// Writes, or reads, one array of what decides how a run goes on, by its name.
+using WriteArray = std::function<void(const std::string& name, std::span<const double> values)>;
+using ReadArray = std::function<std::vector<double>(const std::string& name)>;
 
 /// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius [m].
 inline double size_of_particle(double volume, double radius, int dim) { return std::pow(volume / radius, 1.0 / dim); }
@@ -69,10 +69,10 @@ class Simulation {
   virtual double next_dt() const = 0;
 
   /// Hands out everything that decides the bits of the steps to come. Not after a RunError.
-  virtual void save(const TakeNumbers& take) const = 0;
+  virtual void save(const WriteArray& write) const = 0;
   /// Puts a run of the same case where `save` found it, whatever the number of threads was. Throws std::runtime_error
   /// if the numbers are of another run.
-  virtual void restore(const GiveNumbers& give) = 0;
+  virtual void restore(const ReadArray& read) = 0;
 };
 
 /// Fills the bodies of a case with particles and lets them rest on a grid.

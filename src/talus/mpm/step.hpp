@@ -85,9 +85,9 @@ class Stepper final : public Simulation {
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;
   }
-  void save(const TakeNumbers& take) const override { talus::save(model_, ledger_, tally_, carried_, take); }
-  void restore(const GiveNumbers& give) override {
-    talus::restore(model_, ledger_, tally_, carried_, give);
+  void save(const WriteArray& write) const override { talus::save(model_, ledger_, tally_, carried_, write); }
+  void restore(const ReadArray& read) override {
+    talus::restore(model_, ledger_, tally_, carried_, read);
     add_momentum(model_);
   }
 

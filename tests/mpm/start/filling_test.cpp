@@ -45,7 +45,7 @@ initial_stress = "zero"
 )" + body + more +
            "\n[numerics]\ntau = \"10 ms\"\n[run]\nend = \"1 s\"\n";
   }
-  Case read(const std::string& text) const { return read_case_text("case.toml", text, folder_.string()).what; }
+  Case read(const std::string& text) const { return read_case_text("case.toml", text, folder_.string()).case_; }
   std::string complaint(const std::string& text) const {
     try {
       read(text);
