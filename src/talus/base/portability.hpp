@@ -27,8 +27,9 @@
 #define TALUS_INSTRUCTIONS "baseline"
 #endif
 
-// Kernels take in all they call. Not under AddressSanitizer, which makes such functions take minutes to compile.
-#if defined(__SANITIZE_ADDRESS__) || defined(__CUDACC__)
+// Kernels take in all they call. Not under AddressSanitizer or without AVX, where such functions take minutes to compile,
+// and not on a device.
+#if defined(__SANITIZE_ADDRESS__) || defined(__CUDACC__) || !defined(__AVX2__)
 #define TALUS_FLATTEN
 #else
 #define TALUS_FLATTEN [[gnu::flatten]]
