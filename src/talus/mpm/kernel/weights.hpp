@@ -41,7 +41,7 @@ enum class Arms {
 /// barely touches would be a velocity without bound, so there is no affine transfer with them.
 ///
 /// At a wall with contacts the node behind it passes on what it is handed, twice to the node on the wall and taken once
-/// from the one in front of it (boundary.hpp), and their distances count, not its own: so nodes get the motion that
+/// from the one in front of it (wall.hpp), and their distances count, not its own: so nodes get the motion that
 /// varies linearly around the particle as it is there. With its own, the walls would feed energy to what shears on them.
 template <Arms arms, int Dim, class Shape>
 TALUS_HD FourWeights<Dim, Shape> with_arms(FourWeights<Dim, Shape> w, const std::type_identity_t<FourPlaces<Dim>>& x,
