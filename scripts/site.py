@@ -138,11 +138,14 @@ def section(name, schema, depth):
     """Tables of a section, then of those inside it."""
     keys, required = schema["properties"], schema.get("required", [])
     own = {k: v for k, v in keys.items() if not inner_of(v) or "anyOf" in v}
-    branches = [(*next(iter(b["if"]["properties"].items())), b["then"]) for b in schema.get("allOf", [])]
+    branches = [(*next(iter(b["if"]["properties"].items())), b["then"]) for b in schema.get("allOf", []) if "if" in b]
+    one_of = [[w["required"][0] for w in b["oneOf"]] for b in schema.get("allOf", []) if "oneOf" in b]
     of_some = [k for k in own if any(then.get("properties", {}).get(k) is False for *_, then in branches)]
     shown = f"[[{name[:-3]}]]" if name.endswith("[0]") else f"[{name.replace('[0]', '')}]"
     text = [f"{'#' * depth} `{shown}`" if name else "", ""]
     text += table_of({k: v for k, v in own.items() if k not in of_some}, required)
+    for ways in one_of:
+        text += [f"Exactly one of {', '.join(f'`{k}`' for k in ways)} must be there.", ""]
     for key, value, then in branches:  # what only some of the choices take
         here = {k: then.get("properties", {}).get(k, own[k]) for k in of_some}
         table = table_of({k: v for k, v in here.items() if v is not False}, required + then.get("required", []))
