@@ -13,6 +13,7 @@
 #include "talus/figure/read_figure.hpp"
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/mpm/start/body.hpp"
 
 namespace talus {
 namespace {

@@ -5,6 +5,7 @@
 
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
+#include "talus/mpm/start/body.hpp"
 
 namespace talus {
 

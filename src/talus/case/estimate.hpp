@@ -5,10 +5,8 @@
 
 namespace talus {
 
-/// About how many particles a case will have.
+/// About how many particles a body, or a case, will have.
+double estimated_particles(const BodySpec& body, int dim);
 double estimated_particles(const Case& case_);
-
-/// About how much memory these take while it runs, and while a snapshot is made of them [bytes].
-double estimated_bytes(const Case& case_);
 
 }  // namespace talus

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "talus/base/error.hpp"
+#include "talus/case/estimate.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/start/filling.hpp"
 #include "talus/mpm/start/surface_load.hpp"
@@ -65,6 +66,25 @@ void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& filling
 ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads) {
   return {n_state, numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
           numerics.order == Order::musl, n_loads};
+}
+
+double estimated_bytes(const Case& case_) {
+  double numbers = 0;
+  for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
+    const BodySpec& body = case_.bodies[b];
+    const auto acts_here = [&](const SurfaceLoad& load) { return load.body == int(b); };
+    const int n_loads = int(std::ranges::count_if(case_.loads, acts_here));
+    const double of_a_particle = std::visit(
+        [&]<class Law>(const Law&) {
+          double n = ParticleLayout(case_.dim, memory_of(case_.numerics, state_size<Law>, n_loads)).n_columns();
+          for (const Quantity& q : common_quantities) n += q.components;  // of a snapshot
+          for (const Quantity& q : Law::quantities()) n += q.components;
+          return n;
+        },
+        case_.materials[std::size_t(body.material)].law);
+    numbers += estimated_particles(body, case_.dim) * of_a_particle;
+  }
+  return sizeof(double) * numbers;
 }
 
 template <int Dim>

@@ -9,6 +9,9 @@ namespace talus {
 /// What particles of a body remember whose law has so many numbers of state.
 ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads);
 
+/// About how much memory the particles of a case take while it runs, and while a snapshot is made of them [bytes].
+double estimated_bytes(const Case& case_);
+
 /// Body `number` of a case, its particles numbered from `first_id` on. Throws InputError if it has none or cannot rest.
 template <int Dim>
 Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden, long first_id);
