@@ -27,6 +27,15 @@
 #define TALUS_INSTRUCTIONS "baseline"
 #endif
 
+// Small parts of kernels that would otherwise be called, with all they return passed through memory.
+#if defined(__CUDACC__)
+#define TALUS_INLINE __forceinline__
+#elif defined(__SANITIZE_ADDRESS__)
+#define TALUS_INLINE inline
+#else
+#define TALUS_INLINE [[gnu::always_inline]] inline
+#endif
+
 // Kernels take in all they call. Not under AddressSanitizer or without AVX, where such functions take minutes to compile,
 // and not on a device.
 #if defined(__SANITIZE_ADDRESS__) || defined(__CUDACC__) || !defined(__AVX2__)

@@ -14,7 +14,7 @@ struct FourWeights {
   alignas(Quad) double N[Dim][n][4], dN[Dim][n][4];
   int first[4];  ///< the first node, in the window
 
-  TALUS_HD FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& place, const Shape& shape = Shape()) {
+  TALUS_INLINE TALUS_HD FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& place, const Shape& shape = Shape()) {
     using Layout = TileLayout<Dim, Shape>;
     Quad flat(0.0);
     for (int a = Dim - 1; a >= 0; --a) {
@@ -82,8 +82,8 @@ struct ParticleWeights {
 
 /// The weights of particles i to i + count of a tile, at most four.
 template <int Dim, class Shape>
-TALUS_HD FourWeights<Dim, Shape> weights_of(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i,
-                                            int count) {
+TALUS_INLINE TALUS_HD FourWeights<Dim, Shape> weights_of(const TilePoints<Dim, Shape>& points,
+                                                         const Domain<Dim>& domain, int i, int count) {
   return {domain.in_cells(points.particles.places(points.range.begin + i, count)), points.tile, points.shape};
 }
 
