@@ -8,7 +8,7 @@
 #include <regex>
 #include <sstream>
 
-namespace {
+namespace layering_test {
 
 namespace fs = std::filesystem;
 
@@ -67,4 +67,4 @@ TEST(Layering, ConditionalCompilationStandsInOneFile) {
   }
 }
 
-}  // namespace
+}  // namespace layering_test

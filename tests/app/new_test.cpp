@@ -12,7 +12,7 @@
 #include "talus/input/read.hpp"
 #include "talus/law/registry.hpp"
 
-namespace {
+namespace new_test {
 
 namespace fs = std::filesystem;
 
@@ -122,4 +122,4 @@ TEST_F(ANewCase, HasEveryLawWithAllItsKeysInItsSchema) {
     EXPECT_TRUE(has(all, "\"" + std::string(key) + "\"")) << key;
 }
 
-}  // namespace
+}  // namespace new_test

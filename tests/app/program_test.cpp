@@ -10,7 +10,7 @@
 
 #include "folder_of_its_own.hpp"
 
-namespace {
+namespace program_test {
 
 namespace fs = std::filesystem;
 
@@ -418,4 +418,4 @@ TEST_F(Program, WhatItDoesNotKnowItSays) {
   EXPECT_EQ(talus("--version").code, 0);
 }
 
-}  // namespace
+}  // namespace program_test

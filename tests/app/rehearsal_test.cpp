@@ -7,8 +7,7 @@
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
 
-namespace talus {
-namespace {
+namespace talus::rehearsal_test {
 
 /// A sand column of 8 x 10 cells that slumps to one side: its steps get longer as it sinks.
 Case slump() {
@@ -73,5 +72,4 @@ TEST(Rehearsal, ManyParticlesACellAreNotNeeded) {
   EXPECT_EQ(rehearse(case_, *loop, 1.01 * 16, 1).coarser, 2);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::rehearsal_test

@@ -8,7 +8,7 @@
 
 #include "folder_of_its_own.hpp"
 
-namespace {
+namespace report_test {
 
 class Report : public talus::FolderOfItsOwn {
  protected:
@@ -71,4 +71,4 @@ TEST_F(Report, AFolderWithoutOneIsNamed) {
   EXPECT_NE(said().find("no such folder"), std::string::npos) << said();
 }
 
-}  // namespace
+}  // namespace report_test

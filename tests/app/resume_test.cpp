@@ -14,7 +14,7 @@
 #include "folder_of_its_own.hpp"
 #include "talus/app/interrupt.hpp"
 
-namespace {
+namespace resume_test {
 
 namespace fs = std::filesystem;
 using program::contents, program::Finished, program::has, program::Running, program::talus;
@@ -390,4 +390,4 @@ TEST_F(Resume, ARunThatBreaksKeepsItsLastCheckpointAndSaysSo) {
   EXPECT_TRUE(has(again.output, "left the domain")) << again.output;
 }
 
-}  // namespace
+}  // namespace resume_test

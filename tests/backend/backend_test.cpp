@@ -7,8 +7,7 @@
 #include <atomic>
 #include <stdexcept>
 
-namespace talus {
-namespace {
+namespace talus::backend_test {
 
 class Backends : public testing::TestWithParam<int> {
  protected:
@@ -57,5 +56,4 @@ TEST_P(Backends, ASingleOwnerGathersItsOwnMessage) {
 
 TEST(OpenMP, TakesAsManyThreadsAsThereAreProcessorsIfNoneAreGiven) { EXPECT_GE(make_openmp(0)->n_workers(), 1); }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::backend_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::split_backend_test {
 
 TEST(SplitBackend, EveryOwnerReceivesWhatTheOthersHaveSentToIt) {
   std::vector<std::vector<Message>> received(3);
@@ -43,5 +42,4 @@ TEST(SplitBackend, AnOwnerThatStopsLetsNobodyWait) {
   EXPECT_THROW(std::rethrow_exception(thrown[2]), NobodyThere);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::split_backend_test

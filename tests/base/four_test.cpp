@@ -11,8 +11,7 @@
 
 #include "talus/base/portability.hpp"
 
-namespace talus {
-namespace {
+namespace talus::four_test {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
 constexpr Four<double> a{{-1.5, 0.1, 3e300, nan}}, b{{2.25, -0.0, 0.1, 7}}, c{{1e-20, 0.3, -infinity, -7}};
@@ -84,5 +83,4 @@ TEST(Four, StandsAtAnyAddressInMemory) {
   EXPECT_EQ(memory[5], 6);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::four_test

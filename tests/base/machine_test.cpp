@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::machine_test {
 
 TEST(Machine, OnlyTheInstructionsOfAVX512ChangeNoBits) {
   EXPECT_TRUE(same_bits("gcc 12.2.0, x86-64-v3", "gcc 12.2.0, x86-64-v4"));
@@ -13,5 +12,4 @@ TEST(Machine, OnlyTheInstructionsOfAVX512ChangeNoBits) {
   EXPECT_FALSE(same_bits("gcc 12.2.0, x86-64-v4", "gcc 13.1.0, x86-64-v4"));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::machine_test

@@ -7,8 +7,7 @@
 #include <fstream>
 #include <stdexcept>
 
-namespace talus {
-namespace {
+namespace talus::table_test {
 
 std::string written(const std::string& text) {
   const std::string path =
@@ -55,5 +54,4 @@ TEST(Table, AFormulaIsEvaluatedInEveryRow) {
   EXPECT_EQ(evaluate("p > 1 && q > 1 ? 1 : 0", t), (std::vector<double>{0, 1}));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::table_test

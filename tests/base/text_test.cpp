@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::text_test {
 
 TEST(Text, FindsWhatWasMeant) {
   const std::vector<std::string_view> keys = {"Phi_c", "phi_c", "dPhi", "spacing", "initial_stress", "no_slip"};
@@ -27,5 +26,4 @@ TEST(Text, ListsWords) {
   EXPECT_EQ(any_of({"a", "b", "c"}), "`a`, `b` or `c`");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::text_test

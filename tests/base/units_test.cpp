@@ -5,8 +5,7 @@
 #include <numbers>
 #include <tuple>
 
-namespace talus {
-namespace {
+namespace talus::units_test {
 
 double si(const char* text, const char* unit) {
   const auto value = to_si(text, unit);
@@ -73,5 +72,4 @@ TEST(Units, AreWrittenBackReadably) {
   EXPECT_EQ(with_unit(0.38, "1"), "0.38");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::units_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::loading_test {
 
 TEST(Loading, AnUndrainedTriaxialTestKeepsTheVolume) {
   const Controls c = triaxial(TriaxialDrainage::undrained, 1, {2, 0});
@@ -42,5 +41,4 @@ TEST(Loading, WaysBetweenTurningPointsShareTimeAndRowsByTheirLength) {
   EXPECT_DOUBLE_EQ(parts[1].controls[3].rate, -0.1);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::loading_test

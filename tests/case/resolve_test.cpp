@@ -13,8 +13,7 @@
 #include "talus/case/defaults.hpp"
 #include "talus/input/read.hpp"
 
-namespace talus {
-namespace {
+namespace talus::resolve_test {
 
 /// A number with its unit in SI, converted as readers do it, so that bits agree.
 double si(const std::string& text, const std::string& unit) { return std::get<double>(to_si(text, unit)); }
@@ -461,5 +460,4 @@ TEST(Resolve, ReportsAllMistakesAtOnce) {
   EXPECT_NE(text.find("random close packing"), std::string::npos) << text;
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::resolve_test

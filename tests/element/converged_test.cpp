@@ -11,8 +11,7 @@
 #include "law/parameter_sets.hpp"
 #include "talus/element/driver.hpp"
 
-namespace talus {
-namespace {
+namespace talus::converged_test {
 
 constexpr double tolerance = 1e-3;  // of the curve's maximum, as the driver promises at its default settings
 
@@ -380,5 +379,4 @@ TEST(Converged, U03AnalysisSandUpTo100PerSecond) {
   expect_unified_curves({"U03_T2T3_0.895", {analysis_sand(), table_3()}, 0.895});
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::converged_test

@@ -8,8 +8,7 @@
 #include "talus/base/error.hpp"
 #include "talus/input/read.hpp"
 
-namespace talus {
-namespace {
+namespace talus::driver_test {
 
 /// A test from text: linear elasticity unless the text says otherwise.
 ElementResult run(const std::string& rest,
@@ -194,5 +193,4 @@ TEST(Driver, TheFirstRowIsTheStateBeforeTheTest) {
   EXPECT_EQ(r.rows[0][r.column("phase")], 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::driver_test

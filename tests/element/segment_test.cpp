@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::segment_test {
 
 /// Controls of the six strains.
 Segment of_strains() { return completed(Segment()); }
@@ -61,5 +60,4 @@ TEST(Segment, ControlsOfSingleStrainsPrescribeTheirRatesAndLeaveTheOthers) {
   EXPECT_EQ(rate[2], 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::segment_test

@@ -6,8 +6,7 @@
 #include "talus/base/error.hpp"
 #include "talus/element/driver.hpp"
 
-namespace talus {
-namespace {
+namespace talus::evaluation_test {
 
 FigureResult evaluated(const FigureSpec& figure) {
   FigureRuns runs(figure.readings.size(), std::vector<std::optional<ResultTable>>(figure.curves.size()));
@@ -70,5 +69,4 @@ TEST(Figure, WrongFormulasAreRefused) {
   EXPECT_THROW(number("1 +"), InputError);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::evaluation_test

@@ -5,8 +5,7 @@
 #include "folder_of_its_own.hpp"
 #include "talus/base/error.hpp"
 
-namespace talus {
-namespace {
+namespace talus::folders_test {
 
 class FigureFolders : public FolderOfItsOwn {
  protected:
@@ -61,5 +60,4 @@ TEST(RunFolder, RunsOfTheSameCaseShareTheFolderOfTheFirstCurve) {
   EXPECT_EQ(run_folder(figure, 1, a, 0), "sweep_1") << "the sweep of the first reading comes before";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::folders_test

@@ -3,8 +3,7 @@
 #include "figure/oedometer_figure.hpp"
 #include "talus/base/error.hpp"
 
-namespace talus {
-namespace {
+namespace talus::read_figure_test {
 
 TEST(ReadFigure, ReadingsAndCurvesReplaceWhatTheyNameAndNothingElse) {
   const FigureSpec f = read();
@@ -52,5 +51,4 @@ TEST(ReadFigure, EveryFigureUnderValidationCanBeRead) {
   EXPECT_GT(n, 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::read_figure_test

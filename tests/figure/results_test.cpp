@@ -7,8 +7,7 @@
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 
-namespace talus {
-namespace {
+namespace talus::results_test {
 
 namespace fs = std::filesystem;
 using Rows = std::vector<std::vector<double>>;
@@ -106,5 +105,4 @@ TEST_F(Results, MistakesInAllFiguresAreReportedAtOnce) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::results_test

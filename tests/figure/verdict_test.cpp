@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace talus {
-namespace {
+namespace talus::verdict_test {
 
 /// A statement that a number is at least 1.
 Statement at_least_one() {
@@ -41,5 +40,4 @@ TEST(Verdict, WordsForRangesAndNumbers) {
   EXPECT_EQ(number_in_words(NAN), "&ndash;");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::verdict_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::geometry_motion_test {
 
 TEST(Motion, AConstantRateGoesOnForEverUnlessItStops) {
   const LinearInTime<double> goes_on = constant_rate(2.0, 1);
@@ -17,5 +16,4 @@ TEST(Motion, AConstantRateGoesOnForEverUnlessItStops) {
   EXPECT_EQ(stops.rate(4), 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::geometry_motion_test

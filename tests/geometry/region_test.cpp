@@ -6,8 +6,7 @@
 #include <limits>
 #include <numbers>
 
-namespace talus {
-namespace {
+namespace talus::region_test {
 
 const Polygon slope{{{0, 0}, {4, 0}, {4, 1}, {1, 3}, {0, 3}}, 0, 2};
 
@@ -123,5 +122,4 @@ TEST(Geometry, APictureIsItsDarkPixels) {
   EXPECT_DOUBLE_EQ(volume(r, 2, {{10.75, 0, 0}, {100, 100, 0}}), 2 * 0.125);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::region_test

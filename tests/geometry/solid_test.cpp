@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace talus {
-namespace {
+namespace talus::solid_test {
 
 void expect_near(const SolidShape& shape, const Vec<3>& x, int dim, double distance, const Vec<3>& normal) {
   const Nearness n = nearness(shape, x, dim);
@@ -160,5 +159,4 @@ TEST(Solid, PointsOnItsSurfaceLieCloseToEachOtherWhereverItHasMoved) {
   EXPECT_TRUE(surface_points(bowl, {}, {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}, spacing, 3).empty());
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::solid_test

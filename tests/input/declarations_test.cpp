@@ -14,8 +14,7 @@
 #include "talus/input/sections.hpp"
 #include "talus/input/segments.hpp"
 
-namespace talus {
-namespace {
+namespace talus::declarations_test {
 
 namespace fs = std::filesystem;
 
@@ -138,5 +137,4 @@ TEST(Declarations, FilesWithEveryKeyAreRight) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::declarations_test

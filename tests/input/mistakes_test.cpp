@@ -11,8 +11,7 @@
 
 #include "talus/input/read.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mistakes_test {
 
 namespace fs = std::filesystem;
 
@@ -78,5 +77,4 @@ TEST(Mistakes, AreRefusedOrChangeWhatIsUnderstood) {
   EXPECT_GT(n_refused, n / 2);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mistakes_test

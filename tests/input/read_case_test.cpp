@@ -7,8 +7,7 @@
 
 #include "talus/input/read.hpp"
 
-namespace talus {
-namespace {
+namespace talus::read_case_test {
 
 std::string text_of(const std::filesystem::path& file) {
   std::ostringstream text;
@@ -444,5 +443,4 @@ TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
   EXPECT_NE(complaints(unspaced).find("`spacing` is missing"), std::string::npos);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::read_case_test

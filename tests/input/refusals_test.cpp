@@ -15,8 +15,7 @@
 #include "talus/mpm/simulation.hpp"
 #include "talus/mpm/start/body.hpp"
 
-namespace talus {
-namespace {
+namespace talus::refusals_test {
 
 class Refusal : public FolderOfItsOwn {
  protected:
@@ -314,5 +313,4 @@ y = { value = "p" }
             std::string::npos);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::refusals_test

@@ -12,8 +12,7 @@
 #include "talus/law/drucker_prager.hpp"
 #include "talus/law/mohr_coulomb.hpp"
 
-namespace talus {
-namespace {
+namespace talus::cohesive_friction_test {
 
 using T = SymTensor<double>;
 using State = CohesiveFriction::State<double>;
@@ -196,5 +195,4 @@ TEST(CohesiveFriction, APackOnThePyramidGivesTheBitsOfSinglePoints) {
   for (Outcome o : {Outcome::elastic, Outcome::plastic, Outcome::separated}) EXPECT_GT(visited[int(o)], 500);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::cohesive_friction_test

@@ -8,8 +8,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::drucker_prager_test {
 
 using T = SymTensor<double>;
 using State = DruckerPrager::State<double>;
@@ -367,5 +366,4 @@ TEST(DruckerPrager, GroundAtRestIsWithinItsStrength) {
     }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::drucker_prager_test

@@ -4,8 +4,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::granular_test {
 
 using T = SymTensor<double>;
 
@@ -54,5 +53,4 @@ TEST(Granular, BothVariantsCarryTheSameContacts) {
   for (int k = 0; k < 6; ++k) EXPECT_EQ(a.frictional.stress[k], b.frictional.stress[k]);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::granular_test

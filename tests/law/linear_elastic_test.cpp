@@ -6,8 +6,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::linear_elastic_test {
 
 using T = SymTensor<double>;
 using State = LinearElastic::State<double>;
@@ -65,5 +64,4 @@ TEST(LinearElastic, OnlyKirchhoffsStressStoresAllTheWorkOfALargeStrain) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::linear_elastic_test

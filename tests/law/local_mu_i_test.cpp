@@ -7,8 +7,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::local_mu_i_test {
 
 using T = SymTensor<double>;
 using State = LocalMuI::State<double>;
@@ -120,5 +119,4 @@ TEST(LocalMuI, FrictionThatFallsWithTheRateIsRefused) {
   EXPECT_EQ(law.fault()->key, "mu_d");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::local_mu_i_test

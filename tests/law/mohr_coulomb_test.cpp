@@ -9,8 +9,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mohr_coulomb_test {
 
 using T = SymTensor<double>;
 constexpr double degree = std::numbers::pi / 180;
@@ -129,5 +128,4 @@ TEST(MohrCoulomb, RefusesAnInitialStressBeyondItsStrength) {
   EXPECT_TRUE(std::holds_alternative<std::string>(soil(0, 30, 0).at_rest({{-1e5, -4e5, -1e5, 0, 0, 0}, 0, {}})));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mohr_coulomb_test

@@ -6,8 +6,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mu_i_test {
 
 using T = SymTensor<double>;
 
@@ -123,5 +122,4 @@ TEST(MuI, StressAtRestIsRefused) {
   EXPECT_TRUE(std::holds_alternative<std::string>(table_3().at_rest(initial)));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mu_i_test

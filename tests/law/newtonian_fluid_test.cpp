@@ -7,8 +7,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::newtonian_fluid_test {
 
 using T = SymTensor<double>;
 using State = NewtonianFluid::State<double>;
@@ -104,5 +103,4 @@ TEST(NewtonianFluid, APackGivesTheBitsOfSinglePoints) {
   EXPECT_LT(opened, 7500);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::newtonian_fluid_test

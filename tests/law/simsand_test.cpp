@@ -8,8 +8,7 @@
 
 #include "law/parameter_sets.hpp"
 
-namespace talus {
-namespace {
+namespace talus::simsand_test {
 
 using T = SymTensor<double>;
 using State = Simsand::State<double>;
@@ -618,5 +617,4 @@ TEST(Simsand, ModifiedEulerIsSecondOrder) {
   EXPECT_NEAR(std::log2(coarse / fine), 2, 0.1);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::simsand_test

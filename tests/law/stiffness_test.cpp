@@ -5,8 +5,7 @@
 #include "law/parameter_sets.hpp"
 #include "talus/law/registry.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stiffness_test {
 
 /// A law of each kind that has an elastic stiffness, prepared.
 std::vector<AnyLaw> elastic_laws() {
@@ -71,5 +70,4 @@ TEST(Stiffness, CollisionsAloneHaveNone) {
   EXPECT_TRUE(ScalesStiffness<Granular>);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stiffness_test

@@ -6,8 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace talus {
-namespace {
+namespace talus::elementary_test {
 
 /// Distance of a double from the exact value (a long double has 11 more bits), in units in the last place.
 double ulps(double value, long double exact) {
@@ -62,5 +61,4 @@ TEST(Elementary, OutsideTheRangeTheEndsHoldAndNotANumberStays) {
   EXPECT_EQ(talus::log(0.0), talus::log(std::numeric_limits<double>::min()));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::elementary_test

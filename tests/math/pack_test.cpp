@@ -7,8 +7,7 @@
 #include <limits>
 #include <vector>
 
-namespace talus {
-namespace {
+namespace talus::pack_test {
 
 /// a, a + step, a + 2 step, ...
 template <class P = Pack>
@@ -101,5 +100,4 @@ TEST(Pack, ALaneTakenOutAndPutBackIsTheSame) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::pack_test

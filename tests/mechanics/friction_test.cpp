@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace talus {
-namespace {
+namespace talus::friction_test {
 
 constexpr double degree = std::numbers::pi / 180;
 
@@ -69,5 +68,4 @@ TEST(Friction, ShengsSurfaceIsConvexUpTo46Degrees) {
   EXPECT_GT(least_curvature(48), -0.04);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::friction_test

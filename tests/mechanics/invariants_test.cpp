@@ -4,8 +4,7 @@
 
 #include <cmath>
 
-namespace talus {
-namespace {
+namespace talus::invariants_test {
 
 using T = SymTensor<double>;
 
@@ -45,5 +44,4 @@ TEST(Invariants, StressIsPutTogetherFromItsParts) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(again[i], stress[i], 1e-12);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::invariants_test

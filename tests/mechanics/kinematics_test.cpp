@@ -6,8 +6,7 @@
 
 #include "talus/mechanics/invariants.hpp"
 
-namespace talus {
-namespace {
+namespace talus::kinematics_test {
 
 TEST(Rotation, TurnsByTwiceTheArcTangentOfHalfTheSpin) {
   const double omega = 3, dt = 0.1;  // about z
@@ -44,5 +43,4 @@ TEST(Rotation, LeavesInvariantsAlone) {
   EXPECT_GT(std::abs(turned.xx - stress.xx), 1);  // and it did turn
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::kinematics_test

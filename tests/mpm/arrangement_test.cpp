@@ -6,8 +6,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::arrangement_test {
 
 TEST(Arrangement, OccupiedTilesComeFirstAndHaveTheirParticles) {
   SmallModel<> small(unit_cells<2>(16), {{9, 9}, {1, 1}, {9.5, 1}, {2, 2}});
@@ -70,5 +69,4 @@ TEST(Arrangement, ClosedContactsGoAlongWithTheirTiles) {
   EXPECT_TRUE(closed_contacts(m).empty()) << "its tile is gone";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::arrangement_test

@@ -7,8 +7,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 
-namespace talus {
-namespace {
+namespace talus::cell_order_test {
 
 std::vector<Body<2>> bodies_at(const std::vector<std::vector<Vec<2>>>& places) {
   std::vector<Body<2>> bodies;
@@ -69,5 +68,4 @@ TEST(CellOrder, ParticlesComeRoundAlongPeriodicAxes) {
   EXPECT_EQ(p.position(1)[0], 8.25) << "the other axis has ends";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::cell_order_test

@@ -9,8 +9,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::checkpointed_state_test {
 
 using Saved = std::map<std::string, std::vector<double>>;
 
@@ -96,5 +95,4 @@ TEST(CheckpointedState, OfAnotherRunIsRefused) {
   EXPECT_THROW(run.restore(saved), std::runtime_error) << "of a tile that is not there";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::checkpointed_state_test

@@ -15,8 +15,7 @@
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
-namespace talus {
-namespace {
+namespace talus::choices_test {
 
 using cases::g;
 
@@ -484,5 +483,4 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWay
   EXPECT_EQ(n, 3 * (4 * 6 - 2) * 2 * 3);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::choices_test

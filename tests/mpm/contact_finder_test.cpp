@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::contact_finder_test {
 
 const Wall rubs(WallKind::friction, 0.5, true);
 
@@ -114,5 +113,4 @@ TEST(ContactFinder, NothingIsShiftedIntoASolid) {
   EXPECT_EQ(finder.beside_solids({3, 2.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, -0.1, 0})) << "more than a cell away";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::contact_finder_test

@@ -12,8 +12,7 @@
 #include "talus/base/image.hpp"
 #include "talus/mpm/simulation.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mpm_contact_test {
 
 using cases::g;
 
@@ -503,5 +502,4 @@ TEST(Solids, ContactsGiveTheSameBitsOnAnyNumberOfThreadsAndAfterAStop) {
   expect_momentum_closes(unbroken->ledger(), what.gravity);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mpm_contact_test

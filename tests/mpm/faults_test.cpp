@@ -8,8 +8,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::faults_test {
 
 Ledger at_step_12() {
   Ledger l;
@@ -63,5 +62,4 @@ TEST(Faults, OfAStepThatCollapsesTheFastestParticleOrWaveIsNamed) {
   expect_in("the time step has collapsed to 1e-12 s at t = 0.5 s, step 12", text);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::faults_test

@@ -7,8 +7,7 @@
 #include "backend/split_backend.hpp"
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::halo_test {
 
 /// So many tiles in a row, all of them full, and the empty ones around them.
 std::vector<Tile<2>> row_of(int n) {
@@ -161,5 +160,4 @@ TEST(Reduce, AddsInTheOrderOfTilesWhoeverOwnsThem) {
   });
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::halo_test

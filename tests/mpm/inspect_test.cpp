@@ -10,8 +10,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 
-namespace talus {
-namespace {
+namespace talus::inspect_test {
 
 /// Two particles of 2 kg and 3 m3, the second stretched to 6 m3; E = 1000, nu = 1/4.
 Body<2> pair() {
@@ -116,5 +115,4 @@ TEST(Inspect, OfASingleOwnerNothingHasToBeGathered) {
   EXPECT_EQ(gather(*serial, "text"), "text");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::inspect_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::ledger_test {
 
 /// What particles hold.
 TileSums particles(double mass, const Vec<3>& momentum, double kinetic, double potential, double speed2 = 0) {
@@ -197,5 +196,4 @@ TEST(Ledger, TurnoverIsTheMostThatEnergyHasMoved) {
   EXPECT_EQ(l.turnover, 20) << "it never falls";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::ledger_test

@@ -13,8 +13,7 @@
 #include "talus/mpm/simulation.hpp"
 #include "talus/mpm/start/surface_load.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mpm_load_test {
 
 enum Side { x_min, x_max, y_min, y_max, z_min, z_max };
 
@@ -409,5 +408,4 @@ TEST(LoadsVerification, AroundAHoleInMohrCoulombGroundStressesAreThoseOfSalencon
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mpm_load_test

@@ -7,8 +7,7 @@
 #include "backend/split_backend.hpp"
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::migration_test {
 
 TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
   // Two tiles, one an owner. The first owner has 0 and 1 in its tile and 2 in the other's; the second one 3 in the first's
@@ -53,5 +52,4 @@ TEST(Migration, CellsOfTilesAreThoseOfAllOwnersOneAfterTheOther) {
   });
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::migration_test

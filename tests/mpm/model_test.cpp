@@ -6,8 +6,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::model_test {
 
 TEST(ShareKept, IsWhatTheTransferLeavesAParticleOfItsVelocity) {
   Numerics n;
@@ -52,5 +51,4 @@ TEST(Model, BodiesAreVisitedWhereTheyHaveParticles) {
   EXPECT_EQ(visits, (std::vector<int>{2, 1}));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::model_test

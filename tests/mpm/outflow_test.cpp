@@ -9,8 +9,7 @@
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mpm_outflow_test {
 
 using cases::g;
 
@@ -227,5 +226,4 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
   EXPECT_THROW(resumed->restore([&](const std::string& name) { return half_way.at(name); }), std::runtime_error);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mpm_outflow_test

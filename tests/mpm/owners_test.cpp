@@ -14,8 +14,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
 
-namespace talus {
-namespace {
+namespace talus::owners_test {
 
 /// What `save` hands out.
 using Saved = std::map<std::string, std::vector<double>>;
@@ -460,5 +459,4 @@ TEST(Owners, AllNameTheSameParticleWhoseStressIsNotFinite) {
   EXPECT_NE(one.error.find("the stress is not finite"), std::string::npos) << one.error;
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::owners_test

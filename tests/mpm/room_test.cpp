@@ -12,8 +12,7 @@
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/data/shape.hpp"
 
-namespace talus {
-namespace {
+namespace talus::room_test {
 
 TEST(NodeRooms, AreTheIntegralsOfWhatVolumesAreGivenBy) {
   // Quadratic splines: 1/48 of the spline on a node lies beyond the node next to it, half of it on either side.
@@ -169,5 +168,4 @@ TEST(ParticleShifting, AnElasticBodyKeepsItsParticlesWhereTheyAre) {
   EXPECT_EQ(with->observe().find("position")->values, without->observe().find("position")->values);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::room_test

@@ -12,8 +12,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
 
-namespace talus {
-namespace {
+namespace talus::simulation_test {
 
 using cases::g;
 
@@ -512,5 +511,4 @@ TEST(Simulation, Case2HasThePapersNumberOfPointsToThePoint) {
   EXPECT_NEAR(s->ledger().mass, 2500 / 1.85 * std::numbers::pi * 0.035 * 0.035 * 0.175, 1e-12);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::simulation_test

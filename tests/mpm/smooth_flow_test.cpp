@@ -13,8 +13,7 @@
 #include "talus/mpm/make_stepper.hpp"
 #include "talus/mpm/simulation.hpp"
 
-namespace talus {
-namespace {
+namespace talus::smooth_flow_test {
 
 constexpr double g = 9.81;
 
@@ -261,5 +260,4 @@ TEST(Verification, ALayerOfLocalMuIKeepsBagnoldsProfileToo) {
   EXPECT_GT(std::log2(off(8) / fine), 1.9);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::smooth_flow_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::tile_sums_test {
 
 TEST(TileSums, SumsAreAddedAndOfTheOthersTheLargestCounts) {
   TileSums a, b;
@@ -38,5 +37,4 @@ TEST(TileSums, BeginWithZeros) {
   for (const double m : sums.most) EXPECT_EQ(m, 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::tile_sums_test

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::time_step_test {
 
 /// Cells of 0.1 m of which half may be crossed, and nothing that moves.
 StepBounds nothing() { return {.h = 0.1, .cfl = 0.5, .wave_speed = 0, .speed = 0, .viscosity = 0, .acceleration = 0}; }
@@ -87,5 +86,4 @@ TEST(TimeStep, TheTallySaysHowManyStepsEachBoundHeldAndWhatWavesHadInIt) {
   EXPECT_DOUBLE_EQ(tally.mean_of(tally.wave_share), 0.625);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::time_step_test

@@ -8,8 +8,7 @@
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
 
-namespace talus {
-namespace {
+namespace talus::turning_solids_test {
 
 constexpr double g = cases::g;
 
@@ -111,5 +110,4 @@ TEST(TurningSolids, ABlockOnATableThatIsTiltedBeginsToSlideAtTheAngleOfFriction)
   EXPECT_LT(std::abs(s->ledger().error()), 1e-4 * s->ledger().turnover);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::turning_solids_test

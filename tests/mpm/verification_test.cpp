@@ -10,8 +10,7 @@
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/simulation.hpp"
 
-namespace talus {
-namespace {
+namespace talus::verification_test {
 
 /// A body in plane strain on cells of size h.
 Case plane_strain(AnyLaw law, double density, const Box& domain, double h, const Box& box, double spacing) {
@@ -183,5 +182,4 @@ TEST(Verification, ALayerOfSandLessSteepThanItsFrictionStaysAtRest) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::verification_test

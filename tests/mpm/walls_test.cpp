@@ -7,8 +7,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 
-namespace talus {
-namespace {
+namespace talus::walls_test {
 
 /// The weight that a point at x gives a node.
 template <class Shape>
@@ -136,5 +135,4 @@ TEST(WallsOnTiles, OnlyTilesWithNodesOnAWallBehindItOrNextToItAreNearIt) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::walls_test

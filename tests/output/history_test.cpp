@@ -5,8 +5,7 @@
 
 #include "folder_of_its_own.hpp"
 
-namespace talus {
-namespace {
+namespace talus::history_test {
 
 class HistoryFile : public FolderOfItsOwn {
  protected:
@@ -61,5 +60,4 @@ TEST_F(HistoryFile, EnergyThatFlowsOutAndWorkOfLoadsAreDrawnWhereThereAreAny) {
   EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "outflow 2", "energy 11", "step 1", "separated 1"}));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::history_test

@@ -4,8 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace talus {
-namespace {
+namespace talus::notices_test {
 
 std::vector<std::string> warnings(double numerical, double averaging, double kinetic = 0) {
   RunSummary run;
@@ -66,5 +65,4 @@ TEST(Warnings, AMaterialThatStillMovesIsTold) {
   EXPECT_TRUE(one_begins(warnings(0, 0, 0.02), "The material still moves at the end"));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::notices_test

@@ -5,8 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace talus {
-namespace {
+namespace talus::outline_test {
 
 /// Cells of 0.2 from -2 to 2, deposits end where they are `level` thick.
 Case plane(double level = 0.1) {
@@ -247,5 +246,4 @@ TEST(Outline, ALayerThatHasSpreadFromTheAxisStillCountsForTheHeightThere) {
   EXPECT_NEAR(OutlineFinder(case_, p).find(p).height_at_axis, 0.2, 1e-12);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::outline_test

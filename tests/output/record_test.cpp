@@ -4,8 +4,7 @@
 
 #include "folder_of_its_own.hpp"
 
-namespace talus {
-namespace {
+namespace talus::record_test {
 
 class Record : public FolderOfItsOwn {
  protected:
@@ -42,5 +41,4 @@ TEST_F(Record, ResultsWithoutTheirCurvesAreNotFinished) {
   EXPECT_FALSE(finished());
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::record_test

@@ -12,8 +12,7 @@
 
 #include "folder_of_its_own.hpp"
 
-namespace talus {
-namespace {
+namespace talus::snapshot_test {
 
 namespace fs = std::filesystem;
 
@@ -140,5 +139,4 @@ TEST_F(Snapshots, NoParticlesMakeAnEmptyFileNotACrash) {
   EXPECT_TRUE(fs::exists(folder_ / "empty.hdf"));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::snapshot_test

@@ -8,8 +8,7 @@
 #include "folder_of_its_own.hpp"
 #include "talus/output/snapshot.hpp"
 
-namespace talus {
-namespace {
+namespace talus::viewer_test {
 
 /// Twenty snapshots of a thousand particles in disorder, whose bytes no packing makes fewer.
 class Viewer : public FolderOfItsOwn {
@@ -73,5 +72,4 @@ TEST_F(Viewer, AScaleIsToldByItsEndsAndPercentiles) {
   EXPECT_EQ(range, nlohmann::json({p[0], p[9], p[989], p[999]}));  // 0.01 and 0.99 of 999 steps, downwards
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::viewer_test

@@ -17,7 +17,7 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// y at x of a line through points with growing or falling x; none outside.
-double interpolate(const Points& line, double x) {
+double interpolate(const PlottedPoints& line, double x) {
   for (std::size_t i = 1; i < line.x.size(); ++i) {
     const double a = line.x[i - 1], b = line.x[i];
     if ((a <= x && x <= b) || (b <= x && x <= a))
@@ -27,7 +27,7 @@ double interpolate(const Points& line, double x) {
 }
 
 /// Distance in y of a line from each point. Beyond the line, the distance is that from its end.
-std::vector<double> distances(const Points& line, const Points& points) {
+std::vector<double> distances(const PlottedPoints& line, const PlottedPoints& points) {
   std::vector<double> all;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
     if (!std::isfinite(points.x[i]) || !std::isfinite(points.y[i]) || line.y.empty()) continue;
@@ -42,7 +42,7 @@ std::vector<double> distances(const Points& line, const Points& points) {
 }
 
 /// rms distance of a line from points, over the largest point.
-double misfit_of(const std::vector<double>& distances, const Points& points) {
+double misfit_of(const std::vector<double>& distances, const PlottedPoints& points) {
   double sum = 0, largest = 0;
   for (double d : distances) sum += d * d;
   for (double y : points.y)
@@ -51,7 +51,7 @@ double misfit_of(const std::vector<double>& distances, const Points& points) {
 }
 
 /// rms of the relative distances of a line from the points within its reach.
-double relative_misfit_of(const Points& line, const Points& points) {
+double relative_misfit_of(const PlottedPoints& line, const PlottedPoints& points) {
   double sum = 0;
   int n = 0;
   for (std::size_t i = 0; i < points.x.size(); ++i) {
@@ -99,15 +99,17 @@ class Measures {
   Measures(const FigureSpec& figure, const std::vector<std::optional<ResultTable>>& runs,
            const std::vector<std::vector<DrawnCurve>>& panels)
       : figure_(figure), runs_(runs), panels_(panels) {
-    define("first", [](const Points& c) { return c.y.front(); });
-    define("last", [](const Points& c) { return c.y.back(); });
-    define("smallest", [](const Points& c) { return *std::min_element(c.y.begin(), c.y.end()); });
-    define("largest", [](const Points& c) { return *std::max_element(c.y.begin(), c.y.end()); });
-    define("argmin", [](const Points& c) { return c.x[std::min_element(c.y.begin(), c.y.end()) - c.y.begin()]; });
-    define("argmax", [](const Points& c) { return c.x[std::max_element(c.y.begin(), c.y.end()) - c.y.begin()]; });
-    define("at", [](const Points& c, double x) { return interpolate(c, x); });
-    define("where", [](const Points& c, double level) { return interpolate({c.y, c.x}, level); });
-    define("power", [](const Points& c, double a, double b) {
+    define("first", [](const PlottedPoints& c) { return c.y.front(); });
+    define("last", [](const PlottedPoints& c) { return c.y.back(); });
+    define("smallest", [](const PlottedPoints& c) { return *std::min_element(c.y.begin(), c.y.end()); });
+    define("largest", [](const PlottedPoints& c) { return *std::max_element(c.y.begin(), c.y.end()); });
+    define("argmin",
+           [](const PlottedPoints& c) { return c.x[std::min_element(c.y.begin(), c.y.end()) - c.y.begin()]; });
+    define("argmax",
+           [](const PlottedPoints& c) { return c.x[std::max_element(c.y.begin(), c.y.end()) - c.y.begin()]; });
+    define("at", [](const PlottedPoints& c, double x) { return interpolate(c, x); });
+    define("where", [](const PlottedPoints& c, double level) { return interpolate({c.y, c.x}, level); });
+    define("power", [](const PlottedPoints& c, double a, double b) {
       return std::log(interpolate(c, b) / interpolate(c, a)) / std::log(b / a);
     });
     define<&DrawnCurve::misfit>("misfit");
@@ -129,11 +131,11 @@ class Measures {
     define(name, measure, +measure);
   }
   template <class Measure, class... X>
-  void define(const char* name, Measure, double (*)(const Points&, X...)) {
+  void define(const char* name, Measure, double (*)(const PlottedPoints&, X...)) {
     parser_.DefineFunUserData(
         name,
         +[](void* self, const char* curve, X... x) {
-          const Points points = static_cast<Measures*>(self)->points(curve);
+          const PlottedPoints points = static_cast<Measures*>(self)->points(curve);
           return points.y.empty() ? none : Measure()(points, x...);
         },
         static_cast<void*>(this), false);
@@ -148,7 +150,7 @@ class Measures {
   }
 
   /// "CURVE: FORMULA" along the abscissa; empty, and noted, where this reading has no such curve.
-  Points points(const std::string& text) {
+  PlottedPoints points(const std::string& text) {
     const auto [curve, formula] = split(text);
     if (!runs_[curve]) {
       missing_ = true;

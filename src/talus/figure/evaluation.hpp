@@ -12,14 +12,14 @@ namespace talus {
 /// Results of the curves, [reading][curve]; empty where a reading has no such curve.
 using FigureRuns = std::vector<std::vector<std::optional<ResultTable>>>;
 
-struct Points {
+struct PlottedPoints {
   std::vector<double> x, y;
 };
 
 /// One curve in one panel and reading.
 struct DrawnCurve {
   int curve;
-  Points computed, measured;
+  PlottedPoints computed, measured;
   double misfit;           ///< rms distance in y from the measured points over the largest of these; NaN without them
   double deviation;        ///< largest distance in y from the measured points, in units of the axis; NaN without them
   double relative_misfit;  ///< rms of the distances in y from the points in its reach, each over its point; NaN without

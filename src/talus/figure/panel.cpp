@@ -20,7 +20,7 @@ std::string range_of(const Axis& axis) {
   return fmt::format("[{}:{}]", end(axis.min), end(axis.max));
 }
 
-std::string block(const std::string& name, const Points& points) {
+std::string block(const std::string& name, const PlottedPoints& points) {
   std::string text = fmt::format("# {}\n", name);
   for (std::size_t i = 0; i < points.x.size(); ++i)
     if (std::isfinite(points.x[i]) && std::isfinite(points.y[i]))
@@ -40,7 +40,7 @@ struct Plots {
   std::string data;  ///< NAME.dat, a block for each plot
   std::vector<std::string> plots;
 
-  void add(const Panel& panel, const std::string& name, const Points& points, const std::string& label,
+  void add(const Panel& panel, const std::string& name, const PlottedPoints& points, const std::string& label,
            const std::string& style) {
     data += block(name, points);
     plots.push_back(

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "talus/base/overloaded.hpp"
+
 namespace talus {
 
 namespace {
@@ -107,13 +109,6 @@ double overlap(double a, double b, double low, double high) {
 
 /// The whole pixel row or column that a coordinate, counted in pixels, lies in; the last one's far edge counts as in it.
 int pixel_at(double x, int n) { return x == n ? n - 1 : int(std::floor(x)); }
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 }  // namespace
 

@@ -8,10 +8,6 @@ namespace talus {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
-
 /// Halves a box until its parts are no larger than `spacing`, but no part that the surface does not reach.
 void add_surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim,
                         std::vector<Vec<3>>& points) {
@@ -45,7 +41,9 @@ std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const B
   return points;
 }
 
-double thickness(const Solid& solid, int dim) { return solid.hollow ? infinity : thickness(solid.shape, dim); }
+double thickness(const Solid& solid, int dim) {
+  return solid.hollow ? std::numeric_limits<double>::infinity() : thickness(solid.shape, dim);
+}
 
 double fastest(const Solid& solid, double time, const Box& within, int dim) {
   const Pose pose = solid.motion.at(time);

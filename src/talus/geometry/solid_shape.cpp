@@ -4,13 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "talus/base/overloaded.hpp"
+
 namespace talus {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double length(const Vec<3>& v) { return std::sqrt(dot(v, v)); }
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// A point seen from the part of space common to two shapes.
 Nearness common(const Nearness& a, const Nearness& b) {
@@ -42,7 +42,7 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
   const auto& c = polygon.corners;
   double turn = 0;  // twice the area, positive if the corners go round against the clock
   for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) turn += c[j][0] * c[i][1] - c[i][0] * c[j][1];
-  Nearness n{infinity, {}};
+  Nearness n{unbounded, {}};
   Vec<2> normal{};
   double facing = 0;
   for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) {
@@ -54,7 +54,7 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
       if (std::abs(height) < std::abs(n.distance)) {
         n.distance = height;
         normal = out;
-        facing = infinity;  // no corner is nearer than the edge it ends
+        facing = unbounded;  // no corner is nearer than the edge it ends
       }
       continue;
     }
@@ -72,13 +72,6 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
   n.normal[dim - 1] = normal[1];
   return n;
 }
-
-template <class... F>
-struct Overloaded : F... {
-  using F::operator()...;
-};
-template <class... F>
-Overloaded(F...) -> Overloaded<F...>;
 
 }  // namespace
 
@@ -106,16 +99,16 @@ Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim) {
 
 double thickness(const SolidShape& shape, int dim) {
   return std::visit(
-      Overloaded{[](const HalfSpace&) { return infinity; },
+      Overloaded{[](const HalfSpace&) { return unbounded; },
                  [&](const Box& b) {
-                   double least = infinity;
+                   double least = unbounded;
                    for (int a = 0; a < dim; ++a) least = std::min(least, b.max[a] - b.min[a]);
                    return least;
                  },
                  [](const Sphere& s) { return 2 * s.radius; },
                  [&](const Cylinder& c) { return dim == 2 ? 2 * c.radius : std::min(2 * c.radius, c.height); },
                  [&](const Polygon& p) {
-                   double least = dim == 3 ? p.to - p.from : infinity;
+                   double least = dim == 3 ? p.to - p.from : unbounded;
                    const auto& c = p.corners;
                    for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) {
                      // The line across the middle of this edge: where it leaves the polygon again.
@@ -163,7 +156,7 @@ double farthest(const SolidShape& shape, const Vec<3>& from, int dim) {
     for (int a = 0; a < dim; ++a) most[a] = std::max(std::abs(b.min[a] - from[a]), std::abs(b.max[a] - from[a]));
     return length(most);
   };
-  return std::visit(Overloaded{[](const HalfSpace&) { return infinity; },
+  return std::visit(Overloaded{[](const HalfSpace&) { return unbounded; },
                                [&](const Sphere& s) { return length(s.centre - from) + s.radius; },
                                [&](const auto& region) { return of_box(bounding_box(region, dim)); }},
                     shape);

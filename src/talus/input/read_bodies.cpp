@@ -22,7 +22,7 @@ constexpr Parameter normal_stress(int k) {
   return {normal_components[k], "Pa", {}, "normal stress, tension positive, the same everywhere"};
 }
 constexpr Parameter shear_stress(int k) { return {shear_components[k], "Pa", {}, "shear stress, the same everywhere"}; }
-const Declaration& stress_declaration() {
+const Declaration& given_stress_declaration() {
   static const Declaration d = [] {
     std::vector<Entry> components;
     for (int k = 0; k < 3; ++k) components.push_back(required(normal_stress(k)));
@@ -34,7 +34,7 @@ const Declaration& stress_declaration() {
 constexpr Option initial_stress{
     "initial_stress", "stress at the start; or a table of its components, { xx = \"-1 kPa\", yy = ..., zz = ... }",
     initial_stress_choices};
-constexpr Table given_stress{initial_stress.key, initial_stress.meaning, stress_declaration};
+constexpr Table given_stress{initial_stress.key, initial_stress.meaning, given_stress_declaration};
 
 /// The number of the material that a body names; -1 if there is none of this name.
 int read_material_of(Section& s, const Case& case_) {

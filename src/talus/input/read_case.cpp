@@ -8,7 +8,7 @@ namespace talus {
 
 namespace {
 
-constexpr Text title{"title", "what the case is, in one line"};
+constexpr Text title_of_case{"title", "what the case is, in one line"};
 
 const Declaration& run_declaration() {
   static const Declaration d("[run]", {required(keys::end)});
@@ -19,7 +19,7 @@ constexpr Table run_table{"run", "how long", run_declaration};
 }  // namespace
 
 const Declaration& case_declaration() {
-  static const Declaration d("a case", {required(title), required(keys::domain), required(keys::materials),
+  static const Declaration d("a case", {required(title_of_case), required(keys::domain), required(keys::materials),
                                         required(keys::bodies), optional(keys::loads), optional(keys::solids),
                                         optional(keys::numerics), required(run_table), optional(keys::output)});
   return d;
@@ -28,7 +28,7 @@ const Declaration& case_declaration() {
 Case understand_case(Document& document, const std::string& folder) {
   Case case_;
   Section root = Section::root(document, &case_declaration());
-  case_.title = root.text(title);
+  case_.title = root.text(title_of_case);
   Section numerics = root.optional_section(keys::numerics);
   read_materials(root, numerics.is_text(keys::preset.key, "paper") ? Preset::paper : Preset::standard, case_);
   read_domain(root, case_);

@@ -21,7 +21,7 @@ Declaration declaration_of_stress(int n_required) {
     components.push_back(i < n_required ? required(component_of_stress(i)) : optional(component_of_stress(i)));
   return {"a stress", std::move(components)};
 }
-const Declaration& stress_declaration() {
+const Declaration& present_stress_declaration() {
   static const Declaration d = declaration_of_stress(3);
   return d;
 }
@@ -36,7 +36,7 @@ constexpr Parameter isotropic_pressure{"pressure", "Pa", Range::not_negative(), 
     kappa{"kappa", "1", Range::not_negative(),
           "accumulated plastic deviatoric strain; without it, the least that carries the stress"};
 constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio"}; }
-constexpr Table stress{"stress", "stress of lasting contacts, compression-positive", stress_declaration},
+constexpr Table stress{"stress", "stress of lasting contacts, compression-positive", present_stress_declaration},
     collisional_stress{"collisional_stress", "stress of collisions at the start, compression-positive",
                        collisional_stress_declaration};
 
@@ -65,7 +65,7 @@ const Declaration& law_declaration() {
   return d;
 }
 
-constexpr Text title{"title", "what the test is, in one line"};
+constexpr Text title_of_test{"title", "what the test is, in one line"};
 constexpr Table material_table{"material", "the law and its parameters", law_declaration},
     initial{"initial", "the state before the test", initial_declaration},
     driver{"driver", "how the test is integrated", driver_declaration};
@@ -123,7 +123,7 @@ void read_driver(Section& root, ElementTest& test) {
 }  // namespace
 
 const Declaration& element_test_declaration() {
-  static const Declaration d("an element test", {required(title), required(material_table), required(initial),
+  static const Declaration d("an element test", {required(title_of_test), required(material_table), required(initial),
                                                  optional(driver), required(segments)});
   return d;
 }
@@ -131,7 +131,7 @@ const Declaration& element_test_declaration() {
 ElementTest understand_element_test(Document& document, const std::string& folder) {
   ElementTest test;
   Section root = Section::root(document, &element_test_declaration());
-  test.title = root.text(title);
+  test.title = root.text(title_of_test);
   Section material = root.section(material_table);
   test.law = read_law(material, Preset::standard);
   material.close(fmt::format("law `{}`", name_of(test.law)));

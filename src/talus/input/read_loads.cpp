@@ -16,7 +16,7 @@ constexpr Option side_of_body(int dim) {
 }
 constexpr Numbers traction{{"traction", "Pa", {}, "force per area on the body, along each axis"}, one_per_axis};
 constexpr Parameter pressure_on_side{"pressure", "Pa", {}, "force per area, straight into the body"};
-constexpr Numbers times{{"times", "s", Range::not_negative(), "instants at which factors are given"}},
+constexpr Numbers times_of_factors{{"times", "s", Range::not_negative(), "instants at which factors are given"}},
     factors{{"factors", "1", {}, "what the load is multiplied by then; linear between"}},
     lower{{"min", "m", {}, "lower corner"}, one_per_axis}, upper{{"max", "m", {}, "upper corner"}, one_per_axis};
 
@@ -57,10 +57,11 @@ std::optional<Box> read_within(Section& s, int dim) {
 }  // namespace
 
 const Declaration& load_declaration() {
-  static const Declaration d("a load",
-                             {required(body_of_load), required(side_of_body(3)), optional(traction),
-                              optional(pressure_on_side), depends(times), depends(factors), optional(within_table)},
-                             {"traction", "pressure"});
+  static const Declaration d(
+      "a load",
+      {required(body_of_load), required(side_of_body(3)), optional(traction), optional(pressure_on_side),
+       depends(times_of_factors), depends(factors), optional(within_table)},
+      {"traction", "pressure"});
   return d;
 }
 
@@ -73,7 +74,7 @@ void read_loads(Section& root, Case& case_) {
     load.side = s.required_choice(side_of_body(case_.dim));
     load.traction = read_traction(s, case_.dim, load.side);
     if (s.has("times") || s.has("factors")) {
-      load.factor.times = s.numbers(times);
+      load.factor.times = s.numbers(times_of_factors);
       load.factor.values = s.numbers(factors);
       expect_instants(s, "factors", "times", load.factor);
     }

@@ -19,14 +19,14 @@ constexpr Parameter from{"from", "s", Range::not_negative(), "instant at which i
     until{"until", "s", Range::positive(), "instant at which it stops"};
 
 constexpr Numbers centre{{"centre", "m", {}, "a point on the axis of the turn, at the start"}, one_per_axis},
-    axis{{"axis", "1", {}, "direction about which the turn is right-handed"}, 3},
+    axis_of_turn{{"axis", "1", {}, "direction about which the turn is right-handed"}, 3},
     times_of_angles{{"times", "s", Range::not_negative(), "instants at which angles are given"}},
     angles{{"angles", "rad", {}, "how far the solid has turned then"}};
 constexpr Parameter rate_of_turn{"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"};
 const Declaration& rotation_declaration() {
   static const Declaration d("a rotation",
-                             {required(centre), depends(axis), optional(rate_of_turn), optional(from), optional(until),
-                              depends(times_of_angles), optional(angles)},
+                             {required(centre), depends(axis_of_turn), optional(rate_of_turn), optional(from),
+                              optional(until), depends(times_of_angles), optional(angles)},
                              {"rate", "angles"});
   return d;
 }
@@ -90,7 +90,7 @@ LinearInTime<Vec<3>> read_displacements(Section& s, int dim, const std::string& 
 /// The turn of a solid about its axis.
 void read_rotation(Section& s, int dim, PrescribedMotion& motion) {
   motion.centre = vector_of(s.numbers(centre, dim));
-  if (dim == 3) motion.axis = vector_of(s.numbers(axis));
+  if (dim == 3) motion.axis = vector_of(s.numbers(axis_of_turn));
   s.expect_one_of();
   if (s.has("rate"))
     motion.angle = read_constant_rate(s, s.number(rate_of_turn));

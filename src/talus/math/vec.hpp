@@ -2,6 +2,7 @@
 /// Vectors of two or three components in space.
 
 #include <array>
+#include <cmath>
 
 #include "talus/math/pack.hpp"
 
@@ -34,6 +35,12 @@ struct Vec {
   }
   bool operator==(const Vec&) const = default;
 };
+
+/// |v|
+template <int Dim>
+double length(const Vec<Dim>& v) {
+  return std::sqrt(dot(v, v));
+}
 
 /// a x b
 template <class R>

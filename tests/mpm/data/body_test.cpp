@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::body_test {
 
 TEST(TilePoints, AreTheParticlesOfTheTilesRange) {
   ShapedBody<2, Ugimp> body{{"body", 1, LinearElastic{1, 0}, particles_at<2>(std::vector<Vec<2>>(11)), {}},
@@ -22,5 +21,4 @@ TEST(TilePoints, AreTheParticlesOfTheTilesRange) {
   EXPECT_EQ(points.count(4), 3) << "and what is left";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::body_test

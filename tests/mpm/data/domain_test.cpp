@@ -8,8 +8,7 @@
 
 #include "talus/mpm/data/particles.hpp"
 
-namespace talus {
-namespace {
+namespace talus::domain_test {
 
 /// From (1, -1) to (5, 3) in cells of half a metre: 8 x 8 cells.
 Domain<2> box(const std::array<Wall, 4>& walls = {}) { return {{1, -1}, 0.5, {8, 8}, walls}; }
@@ -56,5 +55,4 @@ TEST(Domain, ItsBoxIsThatOfTheCase) {
   EXPECT_EQ(b.max, (Vec<3>{5, 3, 0}));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::domain_test

@@ -10,8 +10,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
 
-namespace talus {
-namespace {
+namespace talus::grid_test {
 
 /// Points scattered over a few tiles, also on cell faces and astray, with what they scatter added up node by node
 /// without tiles.
@@ -161,5 +160,4 @@ TEST(Grid, HoldsNodesForEveryTileAndWindowsForTheOccupiedOnesOnly) {
   EXPECT_EQ(grid.velocity.data(), grid.velocity.of(0));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::grid_test

@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::node_test {
 
 template <class Node>
 class Nodes : public testing::Test {};
@@ -46,5 +45,4 @@ TEST(Node, VectorsFillTheFirstThreeLanes) {
   EXPECT_EQ(dot3(q, quad_of({1, 10, 100}, 1e9)), 1 + 20 + 200);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::node_test

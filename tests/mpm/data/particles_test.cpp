@@ -9,8 +9,7 @@
 #include "law/parameter_sets.hpp"
 #include "talus/law/registry.hpp"
 
-namespace talus {
-namespace {
+namespace talus::particles_test {
 
 TEST(ParticleLayout, FollowsFromWhatAParticleRemembers) {
   // place, velocity, mass, volume, id: 2 + 2 + 3 in 2D, 3 + 3 + 3 in 3D
@@ -100,5 +99,4 @@ TEST(Particles, StatesOfAPackAreThoseOfItsParticlesOneByOne) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::particles_test

@@ -6,8 +6,7 @@
 
 #include <set>
 
-namespace talus {
-namespace {
+namespace talus::scratch_test {
 
 TEST(Scratch, EveryRowHasRoomForTheParticlesAndAPackMore) {
   Scratch scratch;
@@ -44,5 +43,4 @@ TEST(Scratch, AGradientIsReadRowByRow) {
     for (int b = 0; b < 3; ++b) EXPECT_EQ(L[a][b], 10 * a + b);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::scratch_test

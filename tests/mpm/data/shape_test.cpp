@@ -6,8 +6,7 @@
 
 #include "mpm/data/shapes.hpp"
 
-namespace talus {
-namespace {
+namespace talus::shape_test {
 
 template <class S>
 class ShapeFunctions : public testing::Test {};
@@ -133,5 +132,4 @@ TEST(Linear, OnACellFaceOneNodeHasAllTheWeight) {
   EXPECT_EQ(w.N[1], 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::shape_test

@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::tile_test {
 
 TEST(Tile, ACellBelowZeroLiesInATileBelowZero) {
   EXPECT_EQ(tile_of(0), 0);
@@ -89,5 +88,4 @@ TEST(Tile, AClearWindowHoldsZeros) {
   });
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::tile_test

@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::advance_test {
 
 /// A particle at (1.3, 1.7) with the velocity (5, 0) among nodes that all reach (2, 1) with the acceleration (0, -10), in
 /// a step of 0.1 s, of which it keeps the share alpha of its own velocity.
@@ -90,5 +89,4 @@ TEST(AffineMotion, OfLinearMotionIsItsGradientAndTheMomentThatSplinesMakeOfIt) {
   check(Cubic(), 1.0 / 3);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::advance_test

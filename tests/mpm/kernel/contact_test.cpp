@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::kernel_contact_test {
 
 const Wall rubbing(WallKind::friction, 0.5, true);
 
@@ -141,5 +140,4 @@ TEST(ContactKernel, WhereFrictionHoldsTheContactSticks) {
   EXPECT_FALSE(contact.sticks);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::kernel_contact_test

@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::kernel_filter_test {
 
 FourMoments quad(double a, double b, double c, double d) { return {{a, b, c, d}}; }
 
@@ -130,5 +129,4 @@ TEST(FilterKernel, AShareOfWhatAParticleHasBeyondTheBlendedFitsIsTaken) {
   EXPECT_NEAR(p.velocity(1)[0], 0.5, 1e-14);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::kernel_filter_test

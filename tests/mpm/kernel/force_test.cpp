@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::force_test {
 
 constexpr Index<2> at_origin{0, 0};
 
@@ -125,5 +124,4 @@ TEST(Accelerations, HaveOnAWallWhatItAllowsAndImagesDoNotCount) {
   EXPECT_EQ(sums[Sum::new_kinetic], 12 * 1);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::force_test

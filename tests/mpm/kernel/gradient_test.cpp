@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::gradient_test {
 
 /// Nodes of cells of half a metre with v = (1 + 2 x + 3 y, 4 x - y).
 template <class Shape>
@@ -110,5 +109,4 @@ TEST(Gradient, InThreeDimensionsAllNineComponentsAreFound) {
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::gradient_test

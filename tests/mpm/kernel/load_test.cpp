@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::kernel_load_test {
 
 /// Weights along x of the place 1/4 cell to the right of a particle at x, or to the left.
 std::array<double, 3> weights(double x, double reach = 0.25) {
@@ -67,5 +66,4 @@ TEST(LoadKernel, ItsPowerIsForceTimesTheVelocityOfTheSide) {
   EXPECT_NEAR(power, 10 + 3 * 5.5, 1e-13);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::kernel_load_test

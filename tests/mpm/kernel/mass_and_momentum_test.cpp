@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::mass_and_momentum_test {
 
 constexpr Index<2> at_origin{0, 0};
 
@@ -127,5 +126,4 @@ TEST(ParticleSums, OneParticleOutsideIsAFinding) {
   EXPECT_EQ(sums[Sum::faulty], 1);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::mass_and_momentum_test

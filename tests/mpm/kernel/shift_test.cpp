@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::kernel_shift_test {
 
 TEST(ShiftKernel, VolumesGoToNodesButNoMoreThanTheLoosestPackingNeeds) {
   // Volumes 8 and 80, masses 1, at most 16 m3/kg: 3/8 and 1/8 of 8 and of 16.
@@ -81,5 +80,4 @@ TEST(ShiftKernel, ParticlesAreShiftedAsFarAsTheyMayBe) {
   EXPECT_NEAR(p.position(1)[0], 2.1, 1e-14);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::kernel_shift_test

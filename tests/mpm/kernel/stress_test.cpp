@@ -10,8 +10,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/mpm/stress_update.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stress_test {
 
 const CellFinder<2> unit_cells_of_tile{{0, 0}, 1, {0, 0}};
 
@@ -250,5 +249,4 @@ TEST(FBar, ParticlesOfACellShareTheirRateOfVolumeChangeAndKeepTheirShear) {
               0.03 * sums[Sum::elastic]);  // volumes grow by up to 1 % in the step
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stress_test

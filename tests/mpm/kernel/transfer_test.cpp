@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::transfer_test {
 
 template <class Kind>
 class Transfers : public testing::Test {};
@@ -109,5 +108,4 @@ TEST(Transfer, ANumberIsScatteredAsTheFourthOfANodeIs) {
   nodes.for_each([&](const Index<3>& place, const MassMomentum& n) { EXPECT_EQ(numbers.at(place), n.mass); });
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::transfer_test

@@ -6,8 +6,7 @@
 
 #include "mpm/by_hand.hpp"
 
-namespace talus {
-namespace {
+namespace talus::wall_test {
 
 constexpr Index<2> at_origin{0, 0}, before_it{-1, 0};
 const Wall rubs(WallKind::friction, 0.4);
@@ -167,5 +166,4 @@ TEST(WallKernel, OfAnImageCountsWhatTurningRoundAdds) {
             (Vec<3>{0, 0, 0}));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::wall_test

@@ -9,8 +9,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
 
-namespace talus {
-namespace {
+namespace talus::weights_test {
 
 TEST(FourWeights, FindTheFirstNodeInTheWindowOfTheirTile) {
   // At (9.25, 2.5) in the tile (2, 0), nodes (9, 2) and on: (1, 2) in the tile, (2, 3) in a window of edge 7.
@@ -164,5 +163,4 @@ TEST(AffineTransfers, TheSecondMomentOfSplinesIsAQuarterAndAThirdOfTheCellSquare
   }
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::weights_test

@@ -12,8 +12,7 @@
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/arrangement.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stage_filter_test {
 
 template <int Dim>
 using Places = std::vector<Vec<Dim>>;
@@ -213,5 +212,4 @@ TEST(AffineFilter, KeepsBesideAWallWhatTheWallAllows) {
   EXPECT_TRUE(kept(WallKind::open, fall));
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stage_filter_test

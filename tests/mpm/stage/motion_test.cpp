@@ -6,8 +6,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stage_motion_test {
 
 TEST(Motion, AParticleFallsByGravityAloneInEitherOrder) {
   // 10 m/s2 for 0.1 s: -1 m/s and, at the velocity of the end of the step, -0.1 m.
@@ -76,5 +75,4 @@ TEST(Stresses, AStretchedPairPullsItselfTogether) {
   EXPECT_NEAR(force[0] + force[1], 0, 1e-13);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stage_motion_test

@@ -7,8 +7,7 @@
 #include "backend/split_backend.hpp"
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stage_outflow_test {
 
 Domain<2> open_to_the_right() {
   Domain<2> domain = unit_cells<2>(8);
@@ -50,5 +49,4 @@ TEST(Outflow, WhatIsInsideStaysAndSoDoesTheLedger) {
   EXPECT_EQ(ledger.outflow.mass, 0);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stage_outflow_test

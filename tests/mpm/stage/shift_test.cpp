@@ -6,8 +6,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::stage_shift_test {
 
 /// Sixteen particles of volume 1 on 3 x 3 cells: too close by far.
 std::vector<Vec<2>> crowd() {
@@ -46,5 +45,4 @@ TEST(ParticleShift, WhatKeepsItsNeighboursIsNotShifted) {
     for (int a = 0; a < 2; ++a) EXPECT_EQ(p.position(a)[i], crowd()[std::size_t(p.id()[i])][a]);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::stage_shift_test

@@ -6,8 +6,7 @@
 
 #include "mpm/small_model.hpp"
 
-namespace talus {
-namespace {
+namespace talus::velocities_test {
 
 /// Sum over all nodes.
 template <class Nodes, class F>
@@ -53,5 +52,4 @@ TEST(Velocities, OneParticleGivesItsVelocityToAllItsNodes) {
   EXPECT_NEAR(sums[Sum::held_kinetic], 4.5, 1e-14) << "nothing is lost";
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::velocities_test

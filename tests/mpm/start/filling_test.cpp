@@ -8,8 +8,7 @@
 #include "folder_of_its_own.hpp"
 #include "talus/input/read.hpp"
 
-namespace talus {
-namespace {
+namespace talus::filling_test {
 
 class FilesOfACase : public FolderOfItsOwn {
  protected:
@@ -202,5 +201,4 @@ TEST_F(FilesOfACase, AMotionMayStandInAFile) {
   expect(with_body(solid, "motion = { file = \"m.csv\" }"), "must increase: 0 s follows 1 s");
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::filling_test

@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace talus {
-namespace {
+namespace talus::overburden_test {
 
 constexpr double g = 10;
 
@@ -112,5 +111,4 @@ TEST(Start, BesideListedPointsThereIsNoLoadAndAtTheirEdgeAShareOfIt) {
   EXPECT_NEAR(ground.on({-0.2, 0, 0}, 0.8).stress, 0.25 * 1000 * g, 1e-9);
 }
 
-}  // namespace
-}  // namespace talus
+}  // namespace talus::overburden_test
