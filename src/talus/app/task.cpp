@@ -44,7 +44,7 @@ std::string command_to_resume(const Task& task, const fs::path& folder, int thre
 
 namespace {
 
-std::optional<double> until(const RunOptions& options) {
+std::optional<double> end_asked_for(const RunOptions& options) {
   if (options.until.empty()) return std::nullopt;
   const auto until = to_si(options.until, "s");
   if (const auto* why = std::get_if<std::string>(&until))
@@ -126,7 +126,7 @@ void expect_memory_for(const Case& case_) {
 }
 
 double end_of(const Task& task, const RunOptions& options) {
-  const std::optional<double> asked = until(options);
+  const std::optional<double> asked = end_asked_for(options);
   if (!task.saved) return asked.value_or(task.input.case_.end);
   const RunSoFar& so_far = task.saved->so_far;
   if (asked && *asked < so_far.end && *asked <= so_far.time)

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string range_of(const Axis& axis) {
+std::string gnuplot_range(const Axis& axis) {
   const auto end = [](const std::optional<double>& x) { return x ? fmt::format("{:g}", *x) : "*"; };
   return fmt::format("[{}:{}]", end(axis.min), end(axis.max));
 }
@@ -90,8 +90,8 @@ std::string script_of(const Panel& panel, const std::vector<std::string>& plots)
   const std::pair<const char*, const Axis*> axes[] = {{"x", &panel.x}, {"y", &panel.y}};
   for (const auto& [letter, axis] : axes) {
     if (axis->log) script += fmt::format("set logscale {0}\nset format {0} '10^{{%L}}'\n", letter);
-    script +=
-        fmt::format("set {}label {}\nset {}range {}\n", letter, gnuplot_text(axis->label), letter, range_of(*axis));
+    script += fmt::format("set {}label {}\nset {}range {}\n", letter, gnuplot_text(axis->label), letter,
+                          gnuplot_range(*axis));
   }
   script += fmt::format("plot {}\n", fmt::join(plots, ", \\\n     "));
   script += fmt::format(

@@ -36,13 +36,14 @@ constexpr Parameter isotropic_pressure{"pressure", "Pa", Range::not_negative(), 
     kappa{"kappa", "1", Range::not_negative(),
           "accumulated plastic deviatoric strain; without it, the least that carries the stress"};
 constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio"}; }
-constexpr Table stress{"stress", "stress of lasting contacts, compression-positive", present_stress_declaration},
+constexpr Table stress_at_start{"stress", "stress of lasting contacts, compression-positive",
+                                present_stress_declaration},
     collisional_stress{"collisional_stress", "stress of collisions at the start, compression-positive",
                        collisional_stress_declaration};
 
 const Declaration& initial_declaration() {
   static const Declaration d = [] {
-    std::vector<Entry> all = {depends(isotropic_pressure), optional(stress), depends(background_pressure),
+    std::vector<Entry> all = {depends(isotropic_pressure), optional(stress_at_start), depends(background_pressure),
                               optional(kappa), optional(collisional_stress)};
     Laws::for_each([&]<class Law>() {
       if constexpr (HasVoidRatio<Law>) all.push_back(depends(void_ratio(Law::void_ratios)));
@@ -52,11 +53,11 @@ const Declaration& initial_declaration() {
   return d;
 }
 
-constexpr Option integrator{"integrator", "how the frictional stress is integrated", integrator_choices};
+constexpr Option integrator_of_test{"integrator", "how the frictional stress is integrated", integrator_choices};
 constexpr Parameter tolerance{"tolerance", "1", Range::between(1e-12, 0.1),
                               "relative error of the stress in a substep"};
 const Declaration& driver_declaration() {
-  static const Declaration d("[driver]", {optional(integrator), optional(tolerance)});
+  static const Declaration d("[driver]", {optional(integrator_of_test), optional(tolerance)});
   return d;
 }
 
@@ -86,7 +87,7 @@ SymTensor<double> read_stress(Section& s, const Table& table, int n_required) {
 SymTensor<double> read_initial_stress(Section& s) {
   if (!s.has("stress")) return opposite_sign(SymTensor<double>::isotropic(s.number(isotropic_pressure)));
   if (s.has("pressure")) s.complain("pressure", "and `stress` exclude each other");
-  return read_stress(s, stress, 3);
+  return read_stress(s, stress_at_start, 3);
 }
 
 InitialState read_initial(Section& root, const AnyLaw& law) {
@@ -114,7 +115,7 @@ InitialState read_initial(Section& root, const AnyLaw& law) {
 
 void read_driver(Section& root, ElementTest& test) {
   Section s = root.optional_section(driver);
-  test.integration.scheme = Integrator(s.choice(integrator, int(test.integration.scheme)));
+  test.integration.scheme = Integrator(s.choice(integrator_of_test, int(test.integration.scheme)));
   test.integration.tolerance = s.number(tolerance, test.integration.tolerance);
   test.tolerance = test.integration.tolerance;
   s.close();

@@ -18,10 +18,11 @@ constexpr Numbers traction{{"traction", "Pa", {}, "force per area on the body, a
 constexpr Parameter pressure_on_side{"pressure", "Pa", {}, "force per area, straight into the body"};
 constexpr Numbers times_of_factors{{"times", "s", Range::not_negative(), "instants at which factors are given"}},
     factors{{"factors", "1", {}, "what the load is multiplied by then; linear between"}},
-    lower{{"min", "m", {}, "lower corner"}, one_per_axis}, upper{{"max", "m", {}, "upper corner"}, one_per_axis};
+    lower_within{{"min", "m", {}, "lower corner"}, one_per_axis},
+    upper_within{{"max", "m", {}, "upper corner"}, one_per_axis};
 
 const Declaration& within_declaration() {
-  static const Declaration d("a part of space", {required(lower), required(upper)});
+  static const Declaration d("a part of space", {required(lower_within), required(upper_within)});
   return d;
 }
 constexpr Table within_table{"within", "the part of the side that it acts on; without it, all", within_declaration};
@@ -48,7 +49,7 @@ Vec<3> read_traction(Section& s, int dim, int side) {
 /// The part of a side; none if the input is not right, so that nothing is held against it.
 std::optional<Box> read_within(Section& s, int dim) {
   Section w = s.section(within_table);
-  const Box within{vector_of(w.numbers(lower, dim)), vector_of(w.numbers(upper, dim))};
+  const Box within{vector_of(w.numbers(lower_within, dim)), vector_of(w.numbers(upper_within, dim))};
   const bool is_right = w.is_right();
   w.close();
   return is_right ? std::optional(within) : std::nullopt;

@@ -15,24 +15,25 @@ namespace talus {
 
 namespace {
 
-constexpr Parameter from{"from", "s", Range::not_negative(), "instant at which it starts"},
-    until{"until", "s", Range::positive(), "instant at which it stops"};
+constexpr Parameter start_of_motion{"from", "s", Range::not_negative(), "instant at which it starts"},
+    end_of_motion{"until", "s", Range::positive(), "instant at which it stops"};
 
-constexpr Numbers centre{{"centre", "m", {}, "a point on the axis of the turn, at the start"}, one_per_axis},
+constexpr Numbers centre_of_turn{{"centre", "m", {}, "a point on the axis of the turn, at the start"}, one_per_axis},
     axis_of_turn{{"axis", "1", {}, "direction about which the turn is right-handed"}, 3},
     times_of_angles{{"times", "s", Range::not_negative(), "instants at which angles are given"}},
     angles{{"angles", "rad", {}, "how far the solid has turned then"}};
 constexpr Parameter rate_of_turn{"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"};
 const Declaration& rotation_declaration() {
-  static const Declaration d("a rotation",
-                             {required(centre), depends(axis_of_turn), optional(rate_of_turn), optional(from),
-                              optional(until), depends(times_of_angles), optional(angles)},
-                             {"rate", "angles"});
+  static const Declaration d(
+      "a rotation",
+      {required(centre_of_turn), depends(axis_of_turn), optional(rate_of_turn), optional(start_of_motion),
+       optional(end_of_motion), depends(times_of_angles), optional(angles)},
+      {"rate", "angles"});
   return d;
 }
 
 constexpr Table rotation{"rotation", "how the solid turns", rotation_declaration};
-constexpr Numbers velocity{{"velocity", "m/s", {}, "velocity of the solid"}, one_per_axis},
+constexpr Numbers velocity_of_solid{{"velocity", "m/s", {}, "velocity of the solid"}, one_per_axis},
     times{{"times", "s", Range::not_negative(), "instants at which displacements are given"}};
 constexpr Points displacements{{"displacements", "m", {}, "where the solid is then, from where it began"},
                                one_per_axis};
@@ -41,8 +42,8 @@ constexpr Text file_of_motion{"file", "CSV file of the motion, with columns time
 /// A change at a constant rate from an instant until another.
 template <class T>
 LinearInTime<T> read_constant_rate(Section& s, const T& rate) {
-  const double start = s.number(from, 0.0);
-  const std::optional<double> end = s.optional_number(until);
+  const double start = s.number(start_of_motion, 0.0);
+  const std::optional<double> end = s.optional_number(end_of_motion);
   if (end && !(*end > start)) {
     s.complain("until", "must be later than `from`");
     return constant_rate(rate, start);
@@ -89,7 +90,7 @@ LinearInTime<Vec<3>> read_displacements(Section& s, int dim, const std::string& 
 
 /// The turn of a solid about its axis.
 void read_rotation(Section& s, int dim, PrescribedMotion& motion) {
-  motion.centre = vector_of(s.numbers(centre, dim));
+  motion.centre = vector_of(s.numbers(centre_of_turn, dim));
   if (dim == 3) motion.axis = vector_of(s.numbers(axis_of_turn));
   s.expect_one_of();
   if (s.has("rate"))
@@ -117,8 +118,9 @@ void expect_displacement(Section& s, bool turns) {
 }  // namespace
 
 const Declaration& motion_declaration() {
-  static const Declaration d("a motion", {optional(rotation), optional(velocity), optional(from), optional(until),
-                                          depends(times), optional(displacements), optional(file_of_motion)});
+  static const Declaration d(
+      "a motion", {optional(rotation), optional(velocity_of_solid), optional(start_of_motion), optional(end_of_motion),
+                   depends(times), optional(displacements), optional(file_of_motion)});
   return d;
 }
 
@@ -131,7 +133,7 @@ PrescribedMotion read_motion(Section& s, int dim, const std::string& folder) {
   }
   expect_displacement(s, turns);
   if (s.has("velocity"))
-    motion.displacement = read_constant_rate(s, vector_of(s.numbers(velocity, dim)));
+    motion.displacement = read_constant_rate(s, vector_of(s.numbers(velocity_of_solid, dim)));
   else
     expect_absent(s, {"from", "until"}, "velocity");
   if (s.has("displacements")) {

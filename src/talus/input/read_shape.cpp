@@ -8,19 +8,19 @@ namespace {
 
 constexpr std::size_t most_corners = 10000;
 
-constexpr Numbers lower{{"min", "m", {}, "lower corner of the box"}, one_per_axis},
-    upper{{"max", "m", {}, "upper corner of the box"}, one_per_axis},
-    centre{{"centre", "m", {}, "centre"}, one_per_axis},
+constexpr Numbers lower_of_box{{"min", "m", {}, "lower corner of the box"}, one_per_axis},
+    upper_of_box{{"max", "m", {}, "upper corner of the box"}, one_per_axis},
+    centre_of_shape{{"centre", "m", {}, "centre"}, one_per_axis},
     centre_of_base{{"centre", "m", {}, "centre of the base"}, one_per_axis},
     point{{"point", "m", {}, "a point on the plane"}, one_per_axis},
     normal{{"normal", "1", {}, "direction out of the solid"}, one_per_axis};
 constexpr Points corners{{"corners", "m", {}, "corners of the polygon, in order"}, 2};
-constexpr Parameter from{"from", "m", {}, "where the prism begins along y"},
-    to{"to", "m", {}, "where the prism ends along y"};
+constexpr Parameter begin_of_prism{"from", "m", {}, "where the prism begins along y"},
+    end_of_prism{"to", "m", {}, "where the prism ends along y"};
 
 Box read_box(Section& s, int dim) {
   Section b = s.section(keys::box);
-  const Box box{vector_of(b.numbers(lower, dim)), vector_of(b.numbers(upper, dim))};
+  const Box box{vector_of(b.numbers(lower_of_box, dim)), vector_of(b.numbers(upper_of_box, dim))};
   if (const std::string why = fault(box, dim); !why.empty()) b.complain(why);
   b.close();
   return box;
@@ -28,7 +28,7 @@ Box read_box(Section& s, int dim) {
 
 Cylinder read_cylinder(Section& s, int dim) {
   Section c = s.section(keys::cylinder);
-  Cylinder cylinder{vector_of(c.numbers(dim == 3 ? centre_of_base : centre, dim)), c.number(keys::radius), 0};
+  Cylinder cylinder{vector_of(c.numbers(dim == 3 ? centre_of_base : centre_of_shape, dim)), c.number(keys::radius), 0};
   if (dim == 3) cylinder.height = c.number(keys::height);
   c.close();
   return cylinder;
@@ -40,8 +40,8 @@ Region read_polygon(Section& s, int dim) {
   Polygon polygon{{}, 0, 0};
   for (const auto& corner : p.points(corners)) polygon.corners.push_back({corner[0], corner[1]});
   if (dim == 3) {
-    polygon.from = p.number(from);
-    polygon.to = p.number(to);
+    polygon.from = p.number(begin_of_prism);
+    polygon.to = p.number(end_of_prism);
   }
   const std::size_t n = polygon.corners.size();
   const std::string why =
@@ -60,7 +60,7 @@ HalfSpace read_half_space(Section& s, int dim) {
 
 Sphere read_sphere(Section& s, int dim) {
   Section b = s.section(keys::sphere);
-  const Sphere sphere{vector_of(b.numbers(centre, dim)), b.number(keys::radius)};
+  const Sphere sphere{vector_of(b.numbers(centre_of_shape, dim)), b.number(keys::radius)};
   b.close();
   return sphere;
 }
@@ -68,15 +68,15 @@ Sphere read_sphere(Section& s, int dim) {
 }  // namespace
 
 const Declaration& box_declaration() {
-  static const Declaration d("a box", {required(lower), required(upper)});
+  static const Declaration d("a box", {required(lower_of_box), required(upper_of_box)});
   return d;
 }
 const Declaration& cylinder_declaration() {
-  static const Declaration d("a cylinder", {required(centre), required(keys::radius), depends(keys::height)});
+  static const Declaration d("a cylinder", {required(centre_of_shape), required(keys::radius), depends(keys::height)});
   return d;
 }
 const Declaration& polygon_declaration() {
-  static const Declaration d("a polygon", {required(corners), depends(from), depends(to)});
+  static const Declaration d("a polygon", {required(corners), depends(begin_of_prism), depends(end_of_prism)});
   return d;
 }
 const Declaration& half_space_declaration() {
@@ -84,7 +84,7 @@ const Declaration& half_space_declaration() {
   return d;
 }
 const Declaration& sphere_declaration() {
-  static const Declaration d("a sphere", {required(centre), required(keys::radius)});
+  static const Declaration d("a sphere", {required(centre_of_shape), required(keys::radius)});
   return d;
 }
 

@@ -14,11 +14,11 @@ namespace talus {
 
 namespace {
 
-using Words = std::vector<std::uint16_t>;
+using Halves = std::vector<std::uint16_t>;
 
 /// Differences between neighbours, high bytes first, deflated, base64: what viewer.js unpacks. Neighbours in the order of
 /// ids are neighbours in space, so most high bytes are 0 or 255.
-std::string packed(const Words& words) {
+std::string packed(const Halves& words) {
   const std::size_t n = words.size();
   std::string bytes(2 * n, '\0');
   std::uint16_t before = 0;
@@ -60,7 +60,7 @@ Packed packed_values(const std::vector<double>& values) {
   int exponent = 0;
   std::frexp(most, &exponent);  // most < 2^exponent
   exponent = most > 0 ? exponent - 15 : 0;
-  Words words;
+  Halves words;
   words.reserve(values.size());
   for (double v : values) {
     const auto half = Eigen::numext::bit_cast<std::uint16_t>(Eigen::half(float(std::ldexp(v, -exponent))));
@@ -73,7 +73,7 @@ Packed packed_places(const std::vector<double>& values) {
   if (values.empty()) return {packed({}), {{"low", 0}, {"step", 0}}};
   const auto [least, most] = std::minmax_element(values.begin(), values.end());
   const double low = *least, step = (*most - low) / 65535;
-  Words words;
+  Halves words;
   words.reserve(values.size());
   for (double v : values) words.push_back(step > 0 ? std::uint16_t(std::lround((v - low) / step)) : 0);
   return {packed(words), {{"low", low}, {"step", step}}};
