@@ -27,7 +27,7 @@ TEST(Arrangement, OccupiedTilesComeFirstAndHaveTheirParticles) {
 }
 
 TEST(Arrangement, EveryTileIsInTheShareOfOneThread) {
-  SmallModel<> small(unit_cells<2>(16), {{9, 9}, {1, 1}, {9.5, 1}, {2, 2}}, SmallModel<>::flip(), {}, {}, {{1000, 0}},
+  SmallModel<> small(unit_cells<2>(16), {{9, 9}, {1, 1}, {9.5, 1}, {2, 2}}, pure_flip(), {}, {}, {{1000, 0}},
                      make_openmp(3));
   auto& m = small.model;
   arrange(m);

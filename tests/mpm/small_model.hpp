@@ -7,23 +7,24 @@
 
 namespace talus {
 
+inline Numerics pure_flip(Order order = Order::usf) {
+  Numerics n;
+  n.transfer = Transfer::flip;
+  n.order = order;
+  n.average_pressure = false;
+  return n;
+}
+
 /// One body of the given law; its particles have mass 1 and volume 1 and are at rest, without stress.
 template <class Shape = Quadratic, class Law = LinearElastic>
 class SmallModel {
  public:
-  SmallModel(const Domain<2>& domain, const std::vector<Vec<2>>& places, const Numerics& numerics = flip(),
+  SmallModel(const Domain<2>& domain, const std::vector<Vec<2>>& places, const Numerics& numerics = pure_flip(),
              const Vec<2>& gravity = {}, std::vector<Solid> solids = {}, const Law& law = Law{{1000, 0}},
              std::unique_ptr<Backend> where = make_serial())
       : backend(std::move(where)),
         model(domain, std::move(solids), bodies_of(places, numerics, law), gravity, numerics, *backend) {}
 
-  static Numerics flip(Order order = Order::usf) {
-    Numerics n;
-    n.transfer = Transfer::flip;
-    n.order = order;
-    n.average_pressure = false;
-    return n;
-  }
   Particles<2>& particles() { return model.bodies[0].particles; }
   /// The row of the particle with this number.
   int row(long id) {

@@ -11,7 +11,7 @@ namespace talus::stage_motion_test {
 TEST(Motion, AParticleFallsByGravityAloneInEitherOrder) {
   // 10 m/s2 for 0.1 s: -1 m/s and, at the velocity of the end of the step, -0.1 m.
   for (const Order order : {Order::usf, Order::musl}) {
-    SmallModel<> small(unit_cells<2>(16), {{5.3, 6.1}}, SmallModel<>::flip(order), {0, -10});
+    SmallModel<> small(unit_cells<2>(16), {{5.3, 6.1}}, pure_flip(order), {0, -10});
     auto& m = small.model;
     arrange(m);
     add_momentum(m);

@@ -17,7 +17,7 @@ Domain<2> open_to_the_right() {
 
 TEST(Outflow, WhatIsBeyondASideThatLetsOutIsTakenOutWithWhatItHolds) {
   // Particle 1, 2 kg at (8.5, 3) with the velocity (4, -1), gravity 10 m/s2: momentum (8, -2), 17 J and 60 J.
-  SmallModel<> small(open_to_the_right(), {{1, 1}, {7.9, 3}, {2, 2}}, SmallModel<>::flip(), {0, -10});
+  SmallModel<> small(open_to_the_right(), {{1, 1}, {7.9, 3}, {2, 2}}, pure_flip(), {0, -10});
   auto& m = small.model;
   arrange(m);
   const int i = small.row(1);

@@ -16,7 +16,7 @@ std::vector<Vec<2>> crowd() {
 }
 
 TEST(ParticleShift, ACrowdOfAFluidMovesApartAboutItsMiddleByATenthOfACellAtMost) {
-  SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), crowd(), SmallModel<>::flip(), {}, {},
+  SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), crowd(), pure_flip(), {}, {},
                                               NewtonianFluid{1000, 0});
   arrange(small.model);
   const TileSums sums = ParticleShift<2, Quadratic>().apply(small.model, 0);
