@@ -61,7 +61,7 @@ double difference_from_libm(double p, double step) {
   return largest;
 }
 
-const bool registered = [] {
+const bool laws_registered = [] {
   const auto add = [](const std::string& name, auto f) {
     benchmark::RegisterBenchmark(name.c_str(), f)->Repetitions(n_repetitions)->MinTime(0.05);
   };

@@ -83,7 +83,7 @@ class TimedLoop final : public Backend {
 
 struct Benchmark {
   std::string name;
-  Case what;
+  Case case_;
   int first_steps;  ///< made before the first measurement, so that what is to flow flows
 };
 

@@ -88,7 +88,7 @@ void scatter_force(benchmark::State& timer) {
   tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, Quad(1e-9), tile.sums); });
 }
 
-const bool registered = [] {
+const bool transfers_registered = [] {
   const auto add = [](const char* name, auto f) {
     benchmark::RegisterBenchmark(name, f)->Repetitions(n_repetitions)->MinTime(0.05);
   };
