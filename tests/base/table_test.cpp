@@ -10,7 +10,7 @@
 namespace talus::table_test {
 
 std::string written(const std::string& text) {
-  const std::string path =
+  std::string path =
       testing::TempDir() + "table_" + testing::UnitTest::GetInstance()->current_test_info()->name() + ".csv";
   std::ofstream(path) << text;
   return path;

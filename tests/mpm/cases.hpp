@@ -13,7 +13,7 @@ inline constexpr double g = 9.81;  ///< [m/s2]
 }
 
 /// A block of a material in plane strain or 3D, cells of 1/10 of its height, in the middle of an open domain.
-inline Case block(int dim, AnyLaw law, double density) {
+inline Case block(int dim, const AnyLaw& law, double density) {
   Case what;
   what.dim = dim;
   what.domain = dim == 2 ? Box{{0, 0, 0}, {4, 3, 0}} : Box{{0, 0, 0}, {4, 4, 3}};
@@ -21,7 +21,7 @@ inline Case block(int dim, AnyLaw law, double density) {
   for (int a = 0; a < dim; ++a)
     what.n_cells[a] = int(std::lround((what.domain.max[a] - what.domain.min[a]) / what.cell));
   what.gravity[dim - 1] = -cases::g;
-  what.materials = {{"stuff", std::move(law), density}};
+  what.materials = {{"stuff", law, density}};
   BodySpec body;
   body.name = "block";
   body.region = dim == 2 ? Box{{1.5, 1.5, 0}, {2, 2.5, 0}} : Box{{1.5, 1.5, 1.5}, {2, 2, 2.5}};

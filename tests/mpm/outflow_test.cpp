@@ -106,7 +106,7 @@ TEST(OutflowOfSand, WhatIsLeftIsSeenByItsIds) {
   const Observation start = s->observe();
   run_until(*s, std::sqrt(2 * 2 / g));  // the middle is at the side
   const Observation seen = s->observe();
-  ASSERT_NEAR(seen.n_particles(), start.n_particles() / 2, 40);  // four rows of ten
+  ASSERT_NEAR(seen.n_particles(), 0.5 * start.n_particles(), 40);  // four rows of ten
   for (int k = 0; k < seen.n_particles(); ++k) {
     const int id = int(value(seen, "id", k));
     if (k > 0) {

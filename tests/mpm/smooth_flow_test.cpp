@@ -26,7 +26,8 @@ Body<2> moving_box(const Law& law, double density, double void_ratio, const Vec<
   Particles<2>& p = body.particles;
   p.resize(nx * ny);
   for (int i = 0; i < nx * ny; ++i) {
-    const Vec<2> x{min[0] + (i % nx + 0.5) * spacing, min[1] + (i / nx + 0.5) * spacing}, v = velocity(x);
+    const int column = i % nx, row = i / nx;
+    const Vec<2> x{min[0] + (column + 0.5) * spacing, min[1] + (row + 0.5) * spacing}, v = velocity(x);
     for (int a = 0; a < 2; ++a) {
       p.position(a)[i] = x[a];
       p.velocity(a)[i] = v[a];

@@ -13,13 +13,13 @@
 namespace talus::verification_test {
 
 /// A body in plane strain on cells of size h.
-Case plane_strain(AnyLaw law, double density, const Box& domain, double h, const Box& box, double spacing) {
+Case plane_strain(const AnyLaw& law, double density, const Box& domain, double h, const Box& box, double spacing) {
   Case what;
   what.dim = 2;
   what.domain = domain;
   what.cell = h;
   for (int a = 0; a < 2; ++a) what.n_cells[a] = int(std::lround((domain.max[a] - domain.min[a]) / h));
-  what.materials = {{"stuff", std::move(law), density}};
+  what.materials = {{"stuff", law, density}};
   BodySpec body;
   body.name = "body";
   body.region = box;

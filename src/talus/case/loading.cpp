@@ -118,7 +118,7 @@ Controls triaxial_to(TriaxialDrainage drainage, int axis, double axial_stress) {
 
 Controls simple_shear(ShearDrainage drainage, int plane, Course g) {
   Controls c = no_strain();
-  c[std::size_t(3 + plane)] = strain_control(3 + plane, g.rate, g.acceleration);
+  c[3 + std::size_t(plane)] = strain_control(3 + plane, g.rate, g.acceleration);
   // Planes of shear xy are normal to y, those of yz to z, those of zx to x.
   const int normal = (plane + 1) % 3;
   if (drainage == ShearDrainage::constant_normal_stress) c[std::size_t(normal)] = held_stress(normal);
@@ -127,7 +127,7 @@ Controls simple_shear(ShearDrainage drainage, int plane, Course g) {
 
 Controls simple_shear_to(ShearDrainage drainage, int plane, double shear_stress) {
   Controls c = simple_shear(drainage, plane, {});
-  c[std::size_t(3 + plane)] = stress_to(3 + plane, shear_stress);
+  c[3 + std::size_t(plane)] = stress_to(3 + plane, shear_stress);
   return c;
 }
 

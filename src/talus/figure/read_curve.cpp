@@ -63,7 +63,7 @@ std::string with_replaced(const fs::path& file, std::initializer_list<const toml
 }  // namespace
 
 std::string read_name(Section& s, std::string_view meaning, std::vector<std::string>& names) {
-  const std::string name = s.text("name", meaning);
+  std::string name = s.text("name", meaning);
   const std::string fault = fault_of_name(name);
   if (!name.empty() && !fault.empty()) s.complain("name", fault);
   if (std::find(names.begin(), names.end(), name) != names.end()) s.complain("name", "is taken already");
@@ -135,7 +135,7 @@ void CurveReader::read_sweep(Section& curve, Source& source) {
 std::string CurveReader::read_only_reading(Section& s) const {
   std::vector<std::string_view> names;
   for (const Reading& r : readings_) names.push_back(r.name);
-  const std::string only = s.text("reading", "the only reading that has this curve", "");
+  std::string only = s.text("reading", "the only reading that has this curve", "");
   if (!only.empty() && std::find(names.begin(), names.end(), only) == names.end())
     s.complain("reading", "is not among the readings; there is " + any_of(names));
   return only;

@@ -11,7 +11,7 @@ namespace talus {
 
 std::vector<double> Section::numbers(const Parameter& p, int n) {
   expect_declared(p.key, Holds::numbers, false);
-  const std::vector<double> harmless(std::max(n, 1), 0.0);
+  std::vector<double> harmless(std::max(n, 1), 0.0);
   const toml::node* node = require(p.key, p.meaning);
   if (!node) return harmless;
   const toml::array* list = node->as_array();

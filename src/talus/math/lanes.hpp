@@ -5,10 +5,6 @@
 
 namespace talus {
 
-/// How many numbers an R holds.
-template <Number R>
-inline constexpr int width_of = int(sizeof(R) / sizeof(double));
-
 template <>
 TALUS_HD inline double load<double>(const double* column, int) {
   return *column;

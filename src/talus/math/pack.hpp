@@ -157,9 +157,13 @@ TALUS_COLD TALUS_HD void store_few(double* column, int count, P p) {
 
 }  // namespace detail
 
+/// How many numbers an R holds: a double, too (lanes.hpp).
+template <class R>
+inline constexpr int width_of = int(sizeof(R) / sizeof(double));
+
 /// Lanes from and to memory. Only the first `count` numbers are touched; when loading, further lanes repeat the last.
 template <class P>
-TALUS_HD P load(const double* column, int count = sizeof(P) / sizeof(double)) {
+TALUS_HD P load(const double* column, int count = width_of<P>) {
   if (count < P::width) return detail::load_few<P>(column, count);
   if constexpr (P::width == Quad::width)
     return Quad(*reinterpret_cast<const FourDoublesAnywhere*>(column));

@@ -23,7 +23,7 @@ std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBo
     const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
     find_gradients(points, m.domain, velocity, s);
     for (int i = 0; i < points.size(); ++i)
-      rates[std::size_t(points.range.begin + i)] = symmetric_part(s.gradient_of(i));
+      rates[std::size_t(points.range.begin) + std::size_t(i)] = symmetric_part(s.gradient_of(i));
   });
   return rates;
 }

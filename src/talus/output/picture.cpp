@@ -96,7 +96,7 @@ std::string PictureBook::write_solids(int number, const double low[2], const dou
   for (const Solid& solid : solids_)
     for (const Vec<3>& x : surface_points(solid, solid.motion.at(times_[number]), shown, spacing, dim_))
       rows += fmt::format("{:.6g},{:.6g}\n", x[0], x[up]);
-  const std::string name = fmt::format("solids_{}.csv", number);
+  std::string name = fmt::format("solids_{}.csv", number);
   write_whole(folder_ / name, rows);
   return name;
 }

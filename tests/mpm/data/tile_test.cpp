@@ -57,7 +57,7 @@ TEST(Tile, ANodeAddsUpTheWindowsOfOccupiedTilesOnly) {
   using Layout = TileLayout<2, Quadratic>;
   std::vector<double> windows(2 * Layout::n_window, 0.0), sums(16, rubbish);
   windows[std::size_t(Layout::window({5, 1}))] = 3;
-  windows[std::size_t(Layout::n_window + Layout::window({1, 1}))] = 4;
+  windows[Layout::n_window + std::size_t(Layout::window({1, 1}))] = 4;
   add_windows<2, Quadratic>(tiles.data(), 1, windows.data(), sums.data());
   EXPECT_EQ(sums[0], 7);
   for (int i = 1; i < 16; ++i) EXPECT_EQ(sums[std::size_t(i)], 0) << "rubbish is gone";

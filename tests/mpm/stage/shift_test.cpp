@@ -11,13 +11,13 @@ namespace talus::stage_shift_test {
 /// Sixteen particles of volume 1 on 3 x 3 cells: too close by far.
 std::vector<Vec<2>> crowd() {
   std::vector<Vec<2>> places;
-  for (int i = 0; i < 16; ++i) places.push_back({5.45 + 0.7 * (i % 4), 5.45 + 0.7 * (i / 4)});
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) places.push_back({5.45 + 0.7 * i, 5.45 + 0.7 * j});
   return places;
 }
 
 TEST(ParticleShift, ACrowdOfAFluidMovesApartAboutItsMiddleByATenthOfACellAtMost) {
-  SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), crowd(), pure_flip(), {}, {},
-                                              NewtonianFluid{1000, 0});
+  SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), crowd(), pure_flip(), {}, {}, NewtonianFluid{1000, 0});
   arrange(small.model);
   const TileSums sums = ParticleShift<2, Quadratic>().apply(small.model, 0);
   const auto& p = small.particles();
