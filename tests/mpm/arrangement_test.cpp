@@ -45,9 +45,7 @@ TEST(Arrangement, ClosedContactsGoAlongWithTheirTiles) {
   auto& m = small.model;
   arrange(m);
   ASSERT_EQ(m.grid.tile(1).place, (Index<2>{1, 0}));
-  NodeContact closed{3, {}, {}};
-  closed.number = 2;
-  closed.closed = closed.sticks = true;
+  const NodeContact closed = closed_contact(3, 2, true);
   NodeContact open = closed;
   open.closed = false;
   open.node = 2;

@@ -62,10 +62,7 @@ TEST(CheckpointedState, ARunOfTheSameCaseGoesOnFromIt) {
   run.tally.longest = 2;
   run.carried.last_dt = 0.25;
   run.small.particles().velocity(0)[2] = 4;
-  NodeContact closed{6, {}, {}};
-  closed.number = 2;
-  closed.closed = closed.sticks = true;
-  run.small.model.contacts[1].push_back(closed);
+  run.small.model.contacts[1].push_back(closed_contact(6, 2, true));
   const Saved saved = run.save();
   EXPECT_EQ(saved.at("closed contacts"), (std::vector<double>{1, 6, 2, 1}));
   other.restore(saved);

@@ -61,11 +61,7 @@ void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<D
   for (const ClosedContact<Dim>& c : closed) {
     const auto found = std::lower_bound(at.begin(), at.end(), std::pair(c.tile, 0));
     if (found == at.end() || found->first != c.tile) continue;
-    NodeContact contact{c.node, {}, {}};
-    contact.number = c.surface;
-    contact.closed = true;
-    contact.sticks = c.sticks;
-    m.contacts[std::size_t(found->second)].push_back(contact);
+    m.contacts[std::size_t(found->second)].push_back(closed_contact(c.node, c.surface, c.sticks));
   }
 }
 

@@ -158,11 +158,8 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
     if (!(closed[i] >= 0) || (m.backend.n_owners() == 1 && tile == m.halo.number.end()))
       throw std::runtime_error("`closed contacts` has a tile that is not there");
     if (tile == m.halo.number.end() || *tile != long(closed[i])) continue;  // another owner's
-    NodeContact contact{int(closed[i + 1]), {}, {}};
-    contact.number = int(closed[i + 2]);
-    contact.closed = true;
-    contact.sticks = closed[i + 3] != 0;
-    m.contacts[std::size_t(tile - m.halo.number.begin())].push_back(contact);
+    m.contacts[std::size_t(tile - m.halo.number.begin())].push_back(
+        closed_contact(int(closed[i + 1]), int(closed[i + 2]), closed[i + 3] != 0));
   }
 }
 

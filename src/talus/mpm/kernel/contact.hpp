@@ -34,6 +34,15 @@ struct NodeContact {
   Vec<3> impulse{};     ///< given to the node when forces had acted [N s]
 };
 
+/// What outlives a step of a closed contact. Its surface, normal and velocity are found anew in the next step.
+inline NodeContact closed_contact(int node, int number, bool sticks) {
+  NodeContact contact{node, {}, {}};
+  contact.number = number;
+  contact.closed = true;
+  contact.sticks = sticks;
+  return contact;
+}
+
 /// The contacts of a tile's nodes, solids before walls. Plain pointers, for kernels.
 struct ContactsView {
   NodeContact* contacts;
