@@ -15,7 +15,18 @@ inline Numerics pure_flip(Order order = Order::usf) {
   return n;
 }
 
-/// One body of the given law; its particles have mass 1 and volume 1 and are at rest, without stress.
+/// A body of the given law; its particles have mass 1 and volume 1 and are at rest, without stress.
+template <class Law = LinearElastic>
+Body<2> small_body(const std::vector<Vec<2>>& places, const Numerics& n = pure_flip(),
+                   const Law& law = Law{{1000, 0}}) {
+  Particles<2> p = particles_at<2>(
+      places, {state_size<Law>, n.transfer == Transfer::apic, n.transfer == Transfer::tpic, n.order == Order::musl});
+  for (int i = 0; i < p.size(); ++i)
+    set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
+  return {"body", 1, law, std::move(p), {}};
+}
+
+/// A model of one such body.
 template <class Shape = Quadratic, class Law = LinearElastic>
 class SmallModel {
  public:
@@ -39,12 +50,8 @@ class SmallModel {
  private:
   static std::vector<ShapedBody<2, Shape>> bodies_of(const std::vector<Vec<2>>& places, const Numerics& n,
                                                      const Law& law) {
-    Particles<2> p = particles_at<2>(
-        places, {state_size<Law>, n.transfer == Transfer::apic, n.transfer == Transfer::tpic, n.order == Order::musl});
-    for (int i = 0; i < p.size(); ++i)
-      set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
     std::vector<ShapedBody<2, Shape>> bodies;
-    bodies.push_back({{"body", 1, law, std::move(p), {}}, Shape()});
+    bodies.push_back({small_body(places, n, law), Shape()});
     return bodies;
   }
 };
