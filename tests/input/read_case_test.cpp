@@ -204,6 +204,13 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
                      transfer + " needs smoother shapes");
   expect_complaint("[run]", "[numerics]\ntransfer = \"tpic\"\ntau = \"1 ms\"\n[run]", "tau is no key of");
   EXPECT_TRUE(with_numerics("f_bar = true").f_bar);
+  EXPECT_EQ(with_numerics("").bulk_viscosity, 0.4);
+  EXPECT_EQ(with_numerics("order = \"musl\"").bulk_viscosity, 0);
+  EXPECT_EQ(with_numerics("preset = \"paper\"").bulk_viscosity, 0);
+  EXPECT_EQ(with_numerics("bulk_viscosity = 0.1").bulk_viscosity, 0.1);
+  expect_complaint("[run]", "[numerics]\norder = \"musl\"\nbulk_viscosity = 0.1\n[run]",
+                   "must be 0 with order = \"musl\"");
+  expect_complaint("[run]", "[numerics]\nbulk_viscosity = 1.5\n[run]", "bulk_viscosity = 1.5");
   EXPECT_FALSE(with_numerics("f_bar = true").average_pressure);
   EXPECT_TRUE(with_numerics("").average_pressure);
   EXPECT_TRUE(with_numerics("").particle_shifting);

@@ -65,8 +65,8 @@ Body<Dim> moving_box(const LinearElastic& law, double density, const Vec<Dim>& m
 // ---- transfers ---------------------------------------------------------------------------------------------------
 
 TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
-  // What particles and grid do not share is lost; but for 2 % of the energy turned over, which pure FLIP with hat
-  // functions wins. A grain cannot be faster than one that has fallen from the top, sqrt(2 g 0.5 m).
+  // What particles and grid do not share, and what the viscosity damps of it, is lost; but for 2 % of the energy turned
+  // over, which pure FLIP with hat functions wins. A grain cannot be faster than one that has fallen from the top, sqrt(2 g 0.5 m).
   for (const ShapeFunction shape : all_shapes)
     for (const Transfer transfer : all_transfers) {
       if (is_refused(shape, transfer)) continue;
@@ -84,7 +84,7 @@ TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
       while (s->ledger().time < 0.6) {
         s->step();
         fastest = std::max(fastest, s->ledger().max_speed);
-        least = std::min(least, s->ledger().numerical);
+        least = std::min(least, s->ledger().numerical + s->ledger().viscous);
       }
       const std::string name = name_of(shape, transfer, Order::usf);
       EXPECT_LT(fastest, std::sqrt(2 * g * 0.5)) << name;

@@ -73,6 +73,7 @@ TEST(Ledger, AStressesWorkIsStoredHeatOrCollisionalAndTheNodesLackIt) {
   tiles[Sum::plastic_work] = 2;
   tiles[Sum::collisional_work] = 0.75;
   tiles[Sum::averaging] = 0.25;
+  tiles[Sum::viscous_work] = 0.125;
   tiles[Sum::separated] = 3;
   tiles[Sum::unconverged] = 1;
   tiles.add(Sum::wall_impulse, {8, 0, 0});
@@ -82,7 +83,8 @@ TEST(Ledger, AStressesWorkIsStoredHeatOrCollisionalAndTheNodesLackIt) {
   EXPECT_EQ(l.plastic, 4) << "the rest since the start";
   EXPECT_EQ(l.collisional, 1.5);
   EXPECT_EQ(l.averaging, 0.5);
-  EXPECT_EQ(l.numerical, -8);
+  EXPECT_EQ(l.viscous, 0.25);
+  EXPECT_EQ(l.numerical, -8.25);
   EXPECT_EQ(l.n_separated, 3);
   EXPECT_EQ(l.n_unconverged, 2);
   EXPECT_EQ(l.wall_impulse, (Vec<3>{8, 0, 0})) << "half of it is felt";

@@ -54,10 +54,10 @@ TEST_F(HistoryFile, EnergyThatFlowsOutAndWorkOfLoadsAreDrawnWhereThereAreAny) {
   };
   Case case_;
   using Names = std::vector<std::string>;
-  EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "energy 9", "step 1", "separated 1"}));
+  EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "energy 10", "step 1", "separated 1"}));
   case_.loads.emplace_back();
   case_.walls[1].kind = WallKind::outflow;
-  EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "outflow 2", "energy 11", "step 1", "separated 1"}));
+  EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "outflow 2", "energy 12", "step 1", "separated 1"}));
 }
 
 }  // namespace talus::history_test

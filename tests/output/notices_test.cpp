@@ -28,6 +28,19 @@ TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
   EXPECT_TRUE(warnings(-0.009, 0).empty());
 }
 
+TEST(Warnings, PressureThatIsMostlyNoiseIsTold) {
+  RunSummary run;
+  Case case_;
+  run.noise = NoiseShares{0.4, 0.4};
+  EXPECT_TRUE(warnings_of(case_, run).empty());
+  run.noise = NoiseShares{0.8, 1.7};
+  ASSERT_EQ(warnings_of(case_, run).size(), 1);
+  EXPECT_NE(warnings_of(case_, run)[0].find("80 % of its mean from instant to instant, 170 %"), std::string::npos);
+  EXPECT_NE(warnings_of(case_, run)[0].find("More particles a cell"), std::string::npos);
+  case_.numerics.bulk_viscosity = 0;
+  EXPECT_NE(warnings_of(case_, run)[0].find("`bulk_viscosity` of 0.4"), std::string::npos);
+}
+
 TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
   // 2 kg on cells of 0.1 m: a hundredth of a cell is worth 2 x 9.81 x 0.001 = 0.01962 J.
   Case case_;

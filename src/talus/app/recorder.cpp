@@ -39,6 +39,7 @@ Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outli
                 so_far_.surface_bytes),
       snapshots_(task.folder, *task.input.case_.output.fields, so_far_.snapshots),
       pictures_(task.folder / "pictures", task.input.case_, so_far_.instants),
+      noise_(task.input.case_, so_far_.pressure_noise),
       picture_times_(*task.input.case_.output.pictures),
       checkpoint_times_{task.input.case_.output.checkpoints.value_or(std::numeric_limits<double>::infinity())},
       checkpoint_wall_(task.input.case_.output.checkpoint_wall),
@@ -59,6 +60,7 @@ bool Recorder::picture_is_due(double time) {
 
 void Recorder::record(Simulation& simulation, bool is_end) {
   const double t = simulation.ledger().time;
+  if (noise_.due(t)) noise_.add(t, simulation.pressures());
   const bool picture = picture_is_due(t);
   const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);
   const bool row = so_far_.next_row.due(t) || (is_end && so_far_.next_row.last != t);
@@ -90,6 +92,7 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   put_on_disk(surfaces_.file());
   for (int i = int(so_far_.snapshots.size()); i < snapshots_.size(); ++i) put_on_disk(snapshots_.file(i));
   for (int i = int(so_far_.instants.size()); i < int(pictures_.times().size()); ++i) put_on_disk(pictures_.instant(i));
+  so_far_.pressure_noise = noise_.state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
   checkpoints_.write(so_far_, simulation);

@@ -11,6 +11,7 @@
 #include "talus/output/history.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/picture.hpp"
+#include "talus/output/pressure_noise.hpp"
 #include "talus/output/snapshot.hpp"
 
 namespace talus {
@@ -49,6 +50,7 @@ class Recorder {
   const RunClock& clock() const { return clock_; }
   const History& history() const { return history_; }
   const PictureBook& pictures() const { return pictures_; }
+  const PressureNoise& noise() const { return noise_; }
   SnapshotSeries& snapshots() { return snapshots_; }
 
  private:
@@ -62,6 +64,7 @@ class Recorder {
   SurfaceTable surfaces_;
   SnapshotSeries snapshots_;
   PictureBook pictures_;
+  PressureNoise noise_;
   std::vector<double> picture_times_;  ///< to come, ascending [s]
   Schedule checkpoint_times_;
   double checkpoint_wall_;  ///< interval on the clock [s]

@@ -179,6 +179,7 @@ void Run::complete_summary() {
   summary_.ledger = simulation_->ledger();
   summary_.tally = simulation_->tally();
   summary_.end = outlines_.find(simulation_->places());
+  summary_.noise = recorder_.noise().shares();
   summary_.bytes = simulation_->bytes();
   summary_.n_snapshots = recorder_.snapshots().size();
   summary_.warnings = warnings_of(case_, summary_);

@@ -139,6 +139,7 @@ struct Numerics {
   bool average_pressure = true;
   bool particle_shifting = true;
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
+  std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};
   std::optional<double>
       cfl;  ///< share of a cell that waves and particles cross in a step; by default that of the shape

@@ -58,6 +58,9 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
                             word_of(n.transfer)));
   if (n.f_bar && n.average_pressure)
     section.add("average_pressure", "must be false with `f_bar`: it averages the rate of volume change as well");
+  if (n.order == Order::musl && n.bulk_viscosity.value_or(0) > 0)
+    section.add("bulk_viscosity",
+                "must be 0 with order = \"musl\": forces are of stresses a step old, which cannot damp");
   if (n.stiffness_factor == 1) return;
   for (const Material& m : case_.materials)
     if (!scales_stiffness(m.law))

@@ -21,6 +21,11 @@ Numerics numerics_of(Preset preset);
 /// Whether the elastic compression is averaged: unless the rate of volume change is averaged already.
 bool averages_pressure(Preset preset, bool f_bar);
 
+/// Bulk viscosity of a run, as a share of critical damping.
+Default default_bulk_viscosity(Preset preset, Order order);
+/// That of a case, whether its user gave it or not.
+double bulk_viscosity_of(const Numerics& numerics);
+
 /// The number of the choice that an option of a law has under a preset.
 int default_choice(const Option& option, Preset preset);
 

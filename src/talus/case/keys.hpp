@@ -44,6 +44,10 @@ inline constexpr Parameter tolerance{"tolerance", "1", Range::between(1e-12, 0.1
 inline constexpr Parameter dt{"dt", "s", Range::positive(), "fixed time step; without it the step adapts"};
 inline constexpr Parameter cfl{
     "cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"};
+inline constexpr Parameter bulk_viscosity{
+    "bulk_viscosity", "1", Range::between(0, 1),
+    "damping of volume between neighbouring cells, as a share of critical damping, in laws whose stiffness follows "
+    "the pressure"};
 inline constexpr Parameter stiffness_factor{
     "stiffness_factor",
     "1",

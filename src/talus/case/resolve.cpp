@@ -50,6 +50,7 @@ void fill_in_defaults(Case& case_) {
   Numerics& n = case_.numerics;
   if (has_tau(n.transfer) && !n.tau)
     if (const std::optional<Default> tau = default_tau(case_)) n.tau = tau->value;
+  n.bulk_viscosity = bulk_viscosity_of(n);
   n.cfl = cfl_of(n);
   OutputSpec& o = case_.output;
   if (!o.snapshots) o.snapshots = default_snapshots(case_).value;

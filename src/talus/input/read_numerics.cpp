@@ -48,12 +48,13 @@ void read_integration(Section& s, Integration& integration) {
 
 const Declaration& numerics_declaration() {
   static const Declaration d(
-      "[numerics]", {optional(keys::preset), optional(shape), optional(transfer),
-                     optional(keys::tau).with("transfer", transfers_with_tau(true)),
-                     optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order),
-                     optional(f_bar), optional(average_pressure), optional(particle_shifting), optional(integrator),
-                     optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt),
-                     optional(keys::cfl), optional(keys::stiffness_factor)});
+      "[numerics]",
+      {optional(keys::preset), optional(shape), optional(transfer),
+       optional(keys::tau).with("transfer", transfers_with_tau(true)),
+       optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order), optional(f_bar),
+       optional(average_pressure), optional(keys::bulk_viscosity), optional(particle_shifting), optional(integrator),
+       optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt), optional(keys::cfl),
+       optional(keys::stiffness_factor)});
   return d;
 }
 
@@ -69,6 +70,8 @@ void read_numerics(Section& s, Case& case_) {
   n.order = Order(s.choice(order, int(n.order)));
   n.f_bar = s.flag(f_bar, n.f_bar);
   n.average_pressure = s.flag(average_pressure, averages_pressure(n.preset, n.f_bar));
+  const Default viscosity = default_bulk_viscosity(n.preset, n.order);
+  n.bulk_viscosity = s.number(keys::bulk_viscosity, viscosity.value, viscosity.reason);
   n.particle_shifting = s.flag(particle_shifting, n.particle_shifting);
   read_integration(s, n.integration);
   if (n.dt)

@@ -138,6 +138,51 @@ void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
 }
 
 template <int Dim>
+void CellPressures<Dim>::add(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+                             const Index<Dim>& tile) {
+  const Particles<Dim>& p = body.particles;
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (int i = range.begin; i < range.end; ++i) {
+          int number = 0;
+          double speed2 = 0;
+          for (int a = Dim - 1; a >= 0; --a) {
+            const double in_tile = std::floor((p.position(a)[i] - domain.origin[a]) / domain.h) - tile_edge * tile[a];
+            number = tile_edge * number + int(std::clamp(in_tile, 0.0, tile_edge - 1.0));
+            speed2 += p.velocity(a)[i] * p.velocity(a)[i];
+          }
+          const auto state = state_of<Law>(p, i);
+          const double volume = p.reference_volume()[i] * law.specific_volume(state);
+          const double P = pressure(Law::total_stress(state));
+          Cell& cell = cells[std::size_t(number)];
+          cell.volume += volume;
+          cell.pressure += volume * P;
+          cell.squared += volume * P * P;
+          cell.speed2 += volume * speed2;
+        }
+      },
+      body.law);
+}
+
+template <int Dim>
+TilePressure CellPressures<Dim>::sum(const Index<Dim>& tile) const {
+  TilePressure all{{}, 0, 0, 0, 0};
+  for (int a = 0; a < Dim; ++a) all.tile[a] = tile[a];
+  for (const Cell& cell : cells) {
+    if (!(cell.volume > 0)) continue;
+    all.volume += cell.volume;
+    all.pressure += cell.pressure;
+    all.scatter += std::max(0.0, cell.squared - cell.pressure * cell.pressure / cell.volume);
+    all.speed += cell.speed2;
+  }
+  if (!(all.volume > 0)) return all;
+  all.pressure /= all.volume;
+  all.scatter = std::sqrt(all.scatter / all.volume);
+  all.speed = std::sqrt(all.speed / all.volume);
+  return all;
+}
+
+template <int Dim>
 std::string describe(const Body<Dim>& body, int i) {
   const Particles<Dim>& p = body.particles;
   std::string text = fmt::format("  particle {} of body `{}`\n", long(p.id()[i]), body.name);
@@ -247,6 +292,8 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
 template void place_body(const Body<2>&, bool, ParticlePlaces&);
 template void place_body(const Body<3>&, bool, ParticlePlaces&);
+template struct CellPressures<2>;
+template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
 template std::vector<double> elastic_energies(const Body<2>&, int);

@@ -1,11 +1,13 @@
 #pragma once
 /// What can be read off the particles of a body.
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "talus/mpm/data/body.hpp"
+#include "talus/mpm/data/domain.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
@@ -28,6 +30,23 @@ void leave_out_what_has_left(Observation& seen);
 /// Fills in the places and sizes of a body's particles, whose volumes are per radian if axisymmetric.
 template <int Dim>
 void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
+
+/// What the pressure in a tile follows from: sums over the particles of each of its cells.
+template <int Dim>
+struct CellPressures {
+  static constexpr int n = Dim == 2 ? tile_edge * tile_edge : tile_edge * tile_edge * tile_edge;
+  struct Cell {
+    double volume = 0;    ///< [m3]
+    double pressure = 0;  ///< times volume [J]
+    double squared = 0;   ///< squared pressure times volume [Pa J]
+    double speed2 = 0;    ///< squared speed times volume [m5/s2]
+  };
+  std::array<Cell, n> cells{};
+
+  /// Particles beside the tile count as in its nearest cell.
+  void add(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain, const Index<Dim>& tile);
+  TilePressure sum(const Index<Dim>& tile) const;
+};
 
 /// Everything about one particle, a line a quantity.
 template <int Dim>

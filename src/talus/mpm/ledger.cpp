@@ -34,7 +34,8 @@ void Ledger::add_stresses(const TileSums& tiles, double step_length, double felt
   elastic = tiles[Sum::elastic];
   plastic += tiles[Sum::plastic_work];
   averaging += tiles[Sum::averaging];
-  numerical -= tiles[Sum::internal_work];
+  viscous += tiles[Sum::viscous_work];
+  numerical -= tiles[Sum::internal_work] + tiles[Sum::viscous_work];
   collisional += tiles[Sum::collisional_work];
   n_separated = long(tiles[Sum::separated]);
   n_unconverged += long(tiles[Sum::unconverged]);

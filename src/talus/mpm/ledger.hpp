@@ -28,6 +28,7 @@ struct Ledger {
   double plastic = 0;      ///< work that laws have not stored since the start: heat of friction (see Response)
   double collisional = 0;  ///< work done against collisional stress since the start
   double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
+  double viscous = 0;      ///< heat of the bulk viscosity since the start
   /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
   /// stress on motion that the nodes make and the particles do not, and what shifting particles has lowered them.
   double numerical = 0;
@@ -52,9 +53,12 @@ struct Ledger {
   /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
   /// joule.
   double error() const {
-    return kinetic + potential + elastic + plastic + collisional + averaging + numerical + wall_friction + wall_work +
-           outflow.kinetic + outflow.potential + outflow.elastic - load_work - initial;
+    return kinetic + potential + elastic + plastic + collisional + averaging + viscous + numerical + wall_friction +
+           wall_work + outflow.kinetic + outflow.potential + outflow.elastic - load_work - initial;
   }
+
+  /// What the method took and no law did [J].
+  double method() const { return averaging + viscous + numerical; }
 
   // ---- what the stages of a step cost, in their order (mpm/step.hpp)
 

@@ -1,6 +1,7 @@
 #pragma once
 /// What can be seen of a run between two steps.
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -55,6 +56,31 @@ ParticlePlaces places_of(const Model<Dim, Shape>& m) {
   all.sizes.resize(n, nowhere);
   for (const auto& body : m.bodies) place_body<Dim>(body, m.domain.axisymmetric, all);
   gather(m.backend, all);
+  return all;
+}
+
+/// Of all tiles that hold material which may flow, in the order of their places.
+template <int Dim, class Shape>
+std::vector<TilePressure> pressures_of(const Model<Dim, Shape>& m) {
+  std::vector<TilePressure> own(std::size_t(m.grid.n_tiles()));
+  m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
+    if (!m.has_particles(t)) return;
+    const Index<Dim>& tile = m.grid.tile(t).place;
+    CellPressures<Dim> cells;
+    for (const auto& body : m.bodies)
+      if (!keeps_neighbours(body.law)) cells.add(body, body.tiles[std::size_t(t)], m.domain, tile);
+    own[std::size_t(t)] = cells.sum(tile);
+  });
+  Message mine;
+  for (const TilePressure& p : own)
+    if (p.volume > 0)
+      mine.insert(mine.end(),
+                  {double(p.tile[0]), double(p.tile[1]), double(p.tile[2]), p.volume, p.pressure, p.scatter, p.speed});
+  std::vector<TilePressure> all;
+  for (const Message& rows : m.backend.gather(mine))
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7)
+      all.push_back({{int(row[0]), int(row[1]), int(row[2])}, row[3], row[4], row[5], row[6]});
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   return all;
 }
 

@@ -42,6 +42,16 @@ struct ParticlePlaces {
   std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
 };
 
+/// Pressure in a tile of the grid, four cells along each axis, of all material but that whose particles keep their
+/// neighbours.
+struct TilePressure {
+  Index<3> tile;    ///< its place, in tiles from the grid's origin
+  double volume;    ///< of the particles in it [m3]
+  double pressure;  ///< their mean [Pa], weighted with volume
+  double scatter;   ///< root of the mean squared difference of a particle's pressure from the mean of its cell [Pa]
+  double speed;     ///< root of their mean squared speed [m/s]
+};
+
 /// Writes, or reads, one array of what decides how a run goes on, by its name.
 using WriteArray = std::function<void(const std::string& name, std::span<const double> values)>;
 using ReadArray = std::function<std::vector<double>(const std::string& name)>;
@@ -60,6 +70,8 @@ class Simulation {
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;
+  /// Of all tiles that hold such material, in the order of their places.
+  virtual std::vector<TilePressure> pressures() const = 0;
   /// Everything about one particle, a line a quantity.
   virtual std::string describe(long particle) const = 0;
   virtual long n_particles() const = 0;

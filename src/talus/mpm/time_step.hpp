@@ -32,7 +32,7 @@ struct StepBounds {
 enum class Bound { waves_and_motion, viscosity, gravity, contact, growth, fixed };
 inline constexpr Choice bound_names[] = {
     {"waves_and_motion", "waves and particles stay within a share of a cell"},
-    {"viscosity", "collisional stress diffuses stably"},
+    {"viscosity", "viscous stress diffuses stably"},
     {"gravity", "from rest gravity carries no particle beyond that share"},
     {"contact", "what meets without stress and stiffens within the step stays stable"},
     {"growth", "1.2 times the step before, so that what stiffens is seen in time"},

@@ -43,6 +43,7 @@ struct RunSoFar {
   long surface_bytes = 0;                   ///< length of surface.csv
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of the instants in pictures [s]
   Schedule next_snapshot{}, next_row{};
+  std::vector<double> pressure_noise;  ///< state of PressureNoise
   double wall_seconds = 0, cpu_seconds = 0;
   std::vector<double> resumed_at;  ///< times from which the run was resumed [s]
 };

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "talus/case/defaults.hpp"
+
 namespace talus {
 
 std::string notice_of_stiffness(const Numerics& numerics) {
@@ -30,6 +32,7 @@ std::string notice_of_preset(const Case& case_) {
   note(n.order != Order::usf, "another order");
   note(n.integration.scheme != Integrator::forward_euler, "another integrator");
   note(n.average_pressure || n.f_bar, "averaging over cells");
+  note(bulk_viscosity_of(n) > 0, "bulk viscosity");
   note(n.particle_shifting, "particle shifting");
   note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
   for (const Material& m : case_.materials)
@@ -104,16 +107,24 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
     warnings.push_back(
         fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
                     100 * std::abs(l.error()) / energy));
-  if (energy > 0 && l.numerical + l.averaging > 0.25 * energy)
+  if (energy > 0 && l.method() > 0.25 * energy)
     warnings.push_back(fmt::format(
         "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
-        100 * (l.numerical + l.averaging) / energy));
-  if (energy > 0 && l.numerical + l.averaging < -most_missed * energy)
+        100 * l.method() / energy));
+  if (energy > 0 && l.method() < -most_missed * energy)
     warnings.push_back(fmt::format(
         "The method won {:.1f} % of the energy turned over: velocity that the grid cannot hold feeds on itself. "
         "Use {}a smoother `shape`.",
-        -100 * (l.numerical + l.averaging) / energy,
+        -100 * l.method() / energy,
         case_.numerics.transfer == Transfer::affine_tau ? "" : "transfer = \"affine_tau\" or "));
+  if (run.noise && std::max(run.noise->in_time, run.noise->within_cells) > most_noise)
+    warnings.push_back(
+        fmt::format("Pressure in flow is noise to a good part: {:.0f} % of its mean from instant to instant, {:.0f} % "
+                    "from particle to "
+                    "particle within a cell. Means over time still hold; single readings do not. {}",
+                    100 * run.noise->in_time, 100 * run.noise->within_cells,
+                    bulk_viscosity_of(case_.numerics) > 0 ? "More particles a cell or finer cells help."
+                                                          : "A `bulk_viscosity` of 0.4 calms it."));
   if (l.n_unconverged > 0)
     warnings.push_back(
         fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",

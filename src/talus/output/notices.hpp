@@ -10,6 +10,8 @@ namespace talus {
 
 /// Share of the energy released up to which the energy balance counts as closed.
 inline constexpr double most_missed = 0.01;
+/// Noise of the pressure in flow, as a share of its mean, above which a run warns.
+inline constexpr double most_noise = 0.5;
 
 /// Consequences of a scaled stiffness for a run; empty if it is not scaled.
 std::string notice_of_stiffness(const Numerics& numerics);

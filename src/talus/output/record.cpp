@@ -34,11 +34,19 @@ Json run_in_json(const RunSummary& run) {
 }
 
 void add_ledger(const Ledger& l, Json& record) {
-  record["ledger_joule"] = {
-      {"initial", l.initial},          {"kinetic", l.kinetic},     {"potential", l.potential},
-      {"elastic", l.elastic},          {"plastic", l.plastic},     {"collisional", l.collisional},
-      {"averaging", l.averaging},      {"numerical", l.numerical}, {"wall_friction", l.wall_friction},
-      {"work_on_solids", l.wall_work}, {"turnover", l.turnover},   {"error", l.error()}};
+  record["ledger_joule"] = {{"initial", l.initial},
+                            {"kinetic", l.kinetic},
+                            {"potential", l.potential},
+                            {"elastic", l.elastic},
+                            {"plastic", l.plastic},
+                            {"collisional", l.collisional},
+                            {"averaging", l.averaging},
+                            {"viscous", l.viscous},
+                            {"numerical", l.numerical},
+                            {"wall_friction", l.wall_friction},
+                            {"work_on_solids", l.wall_work},
+                            {"turnover", l.turnover},
+                            {"error", l.error()}};
   if (l.load_impulse != Vec<3>{}) {
     record["ledger_joule"]["work_of_loads"] = l.load_work;
     record["load_impulse_newton_second"] = vector(l.load_impulse);
@@ -88,6 +96,8 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
   record["run"] = run_in_json(run);
   add_ledger(run.ledger, record);
+  if (run.noise)
+    record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};
   record["time_step"] = time_step_in_json(run.tally);
   record["outline_metre"] = {{"start", outline_in_json(run.start)}, {"end", outline_in_json(run.end)}};
   write_whole(file, record.dump(2) + "\n");

@@ -154,6 +154,7 @@ std::string energy_section(const Case& case_, const Ledger& l) {
   row("became heat by friction", l.plastic);
   row("was spent in collisions", l.collisional);
   row("was lost when compression was averaged over cells", l.averaging);
+  row("became heat by the bulk viscosity", l.viscous);
   row("was lost in the transfers between particles and grid", l.numerical);
   row("became heat by friction on walls and solids", l.wall_friction);
   row("was work on moving solids (negative: they pushed)", l.wall_work);
@@ -161,6 +162,16 @@ std::string energy_section(const Case& case_, const Ledger& l) {
   if (has_outflow(case_)) row("left as kinetic energy of what flowed out", l.outflow.kinetic);
   row("is not accounted for", -l.error());
   return section + "</table>\n";
+}
+
+std::string noise_section(const std::optional<NoiseShares>& noise) {
+  if (!noise) return "";
+  return fmt::format(
+      "<h2>Noise of the pressure</h2>\n<p>Where material flows, over its mean, in blocks of four cells along each "
+      "axis:</p>\n<table>\n"
+      "<tr><td>of a block's mean, from instant to instant about its course</td><td class=\"n\">{:.1f} %</td></tr>\n"
+      "<tr><td>of particles, about the mean of their cell</td><td class=\"n\">{:.1f} %</td></tr>\n</table>\n",
+      100 * noise->in_time, 100 * noise->within_cells);
 }
 
 std::string time_step_section(const StepTally& tally) {
@@ -219,8 +230,8 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
   page << outline_section(case_, run.start, run.end);
   if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
   for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
-  page << energy_section(case_, run.ledger) << time_step_section(run.tally) << case_section(run) << record_section(run)
-       << "</body></html>\n";
+  page << energy_section(case_, run.ledger) << noise_section(run.noise) << time_step_section(run.tally)
+       << case_section(run) << record_section(run) << "</body></html>\n";
   write_whole(folder / "report.html", page.str());
 }
 

@@ -1,12 +1,14 @@
 #pragma once
 /// What is known of a run when it has ended.
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
+#include "talus/output/pressure_noise.hpp"
 
 namespace talus {
 
@@ -17,6 +19,7 @@ struct RunSummary {
   Ledger ledger;
   StepTally tally;
   Outline start, end;
+  std::optional<NoiseShares> noise;  ///< of the pressure in flow; none if nothing has flowed
   double wall_seconds = 0, cpu_seconds = 0;
   long n_particles = 0;
   std::size_t bytes = 0;

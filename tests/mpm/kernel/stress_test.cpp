@@ -40,7 +40,7 @@ TEST(Stress, OfAnElasticParticleThatIsStretchedByHand) {
   const ScratchView s = scratch_of(scratch, 1);
   s.gradient[0][0][0] = 0.1;
   TileSums sums;
-  update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false}, s, sums);
+  update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false, 0}, s, sums);
   const double volume = 2 * std::exp(1e-3), density = 0.5 * 1.2 * 1e-3;
   EXPECT_NEAR(s.flux[0][0], volume * 1.2, 1e-14);
   EXPECT_NEAR(s.flux[1][0], volume * 0.4, 1e-14);
@@ -67,7 +67,7 @@ TEST(Stress, TurnsWithTheMaterial) {
   s.gradient[1][0][0] = std::acos(-1) / 2;
   TileSums sums;
   for (int i = 0; i < 1000; ++i)
-    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {1e-3, {}, false, false}, s, sums);
+    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {1e-3, {}, false, false, 0}, s, sums);
   EXPECT_NEAR(s.flux[0][0], 0, 1e-4);
   EXPECT_NEAR(s.flux[1][0], -10, 1e-4);
 }
@@ -83,7 +83,7 @@ TEST(Stress, OfAFluidTheViscosityCountsOverItsDensityWhereItIsClosed) {
     Scratch scratch;
     const ScratchView s = scratch_of(scratch, 1);
     TileSums sums;
-    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false}, s, sums);
+    update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {0.01, {}, false, false, 0}, s, sums);
     EXPECT_NEAR(sums[Most::viscosity], compression > 0 ? 1.5 : 0, 1e-11);
     EXPECT_EQ(sums[Sum::separated], compression > 0 ? 0 : 1);
   }
@@ -96,8 +96,8 @@ TEST(Stress, WhatIsNotFiniteIsAFinding) {
   const ScratchView s = scratch_of(scratch, 1);
   s.gradient[0][0][0] = std::nan("");
   TileSums sums;
-  update_stress<double, false>(LinearElastic{1000, 0.25}, p.view(), {0, 1}, unit_cells_of_tile, {1, {}, false, false},
-                               s, sums);
+  update_stress<double, false>(LinearElastic{1000, 0.25}, p.view(), {0, 1}, unit_cells_of_tile,
+                               {1, {}, false, false, 0}, s, sums);
   EXPECT_EQ(sums[Sum::faulty], 1);
 }
 
@@ -112,6 +112,82 @@ TEST(Stress, AsItIsIsVolumeTimesStressOfTheState) {
   for (int c = 0; c < 6; ++c) EXPECT_EQ(s.flux[c][0], 3.0 * (c + 1)) << c;
   present_volumes<double>(law, p.view(), {0, 1}, s);
   EXPECT_EQ(s.volume[0], 3);
+}
+
+// ---- bulk viscosity ----------------------------------------------------------------------------------------------
+
+/// A particle of sand at a pressure in a cell of half a metre, whose volume grows at a rate [1/s], with b = 0.4 and without.
+struct Damped {
+  double pressure, without, with, work;
+  TileSums sums;
+  double stiffness;  ///< times volume
+};
+Damped damped(double p0, double rate) {
+  const Simsand law = case_1_sand();
+  const CellFinder<2> cells{{0, 0}, 2, {0, 0}};
+  Damped found{p0, 0, 0, 0, {}, 0};
+  for (const double b : {0.0, 0.4}) {
+    auto p = particles_at<2>({{0.2, 0.2}}, {state_size<Simsand>});
+    p.reference_volume()[0] = 2;
+    p.mass()[0] = 3000;
+    set_state<Simsand>(p, 0, isotropic_state(law, p0, 0.8));
+    Scratch scratch;
+    const ScratchView s = scratch_of(scratch, 1);
+    s.gradient[0][0][0] = s.gradient[1][1][0] = rate / 2;
+    TileSums sums;
+    update_stress<double, false>(law, p.view(), {0, 1}, cells, {1e-6, {}, true, false, b}, s, sums);
+    (b > 0 ? found.with : found.without) = -(s.flux[0][0] + s.flux[1][0] + s.flux[2][0]) / 3;
+    if (b > 0) found.sums = sums;
+    found.stiffness = s.stiffness[0];
+  }
+  return found;
+}
+
+TEST(BulkViscosity, PressesOnWhatClosesWithItsImpedanceTimesAShareOfTheCell) {
+  // q V = 0.4 h sqrt(M m V) 0.1/s with h = 0.5 m, the stiffness M V and the mass 3000 kg
+  const Damped d = damped(1e4, -0.1);
+  const double damping = 0.4 * 0.5 * std::sqrt(d.stiffness * 3000);
+  EXPECT_NEAR(d.with - d.without, damping * 0.1, 1e-9 * damping);
+  EXPECT_NEAR(d.sums[Sum::viscous_work], 1e-6 * damping * 0.1 * 0.1, 1e-9 * 1e-6 * damping);
+  EXPECT_NEAR(d.sums[Most::viscosity], damping / 3000, 1e-12 * damping);
+}
+
+TEST(BulkViscosity, HoldsBackWhatOpensAndNeverPulls) {
+  const Damped slow = damped(1e4, 0.1);
+  const double damping = 0.4 * 0.5 * std::sqrt(slow.stiffness * 3000);
+  EXPECT_NEAR(slow.with - slow.without, -damping * 0.1, 1e-9 * damping);
+  EXPECT_GT(slow.sums[Sum::viscous_work], 0);
+  const Damped fast = damped(1e4, 50);
+  EXPECT_GT(fast.without, 0);
+  EXPECT_NEAR(fast.with, 0, 1e-9 * fast.without) << "as much as there is, no more";
+  EXPECT_GT(fast.sums[Sum::viscous_work], 0);
+}
+
+TEST(BulkViscosity, IsNotWhereGrainsAreApartNorInMaterialOfGivenStiffness) {
+  const Simsand law = case_1_sand();
+  for (const bool elastic : {false, true}) {
+    auto p = particles_at<2>({{0.5, 0.5}}, {std::max(state_size<Simsand>, state_size<LinearElastic>)});
+    p.reference_volume()[0] = 2;
+    p.mass()[0] = 3000;
+    auto apart = isotropic_state(law, 1, 0.8);
+    Simsand::impose_compression(apart, -0.1, 0.0);
+    set_state<Simsand>(p, 0, apart);
+    if (elastic) set_state<LinearElastic>(p, 0, {SymTensor<double>::zero(), 1});
+    Scratch scratch;
+    const ScratchView s = scratch_of(scratch, 1);
+    s.gradient[0][0][0] = -0.1;
+    TileSums sums;
+    const StressUpdate how{1e-6, {}, true, false, 0.4};
+    if (elastic)
+      update_stress<double, false>(LinearElastic{1e6, 0.25}, p.view(), {0, 1}, unit_cells_of_tile, how, s, sums);
+    else
+      update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, how, s, sums);
+    EXPECT_EQ(sums[Sum::viscous_work], 0) << elastic;
+    EXPECT_EQ(sums[Most::viscosity], 0) << elastic;
+    if (!elastic) {
+      EXPECT_EQ(s.flux[0][0], 0);
+    }
+  }
 }
 
 // ---- packs -------------------------------------------------------------------------------------------------------
@@ -142,7 +218,7 @@ void expect_packs_have_the_bits_of_one(const Law& law, double p0) {
   for (const bool average : {false, true})
     for (const bool f_bar : {false, true}) {
       Eleven<Law> one(law, p0), pack(law, p0);
-      const StressUpdate how{1e-3, {}, average, f_bar};
+      const StressUpdate how{1e-3, {}, average, f_bar, 0.4};
       if (f_bar) {
         update_stress<double, true>(law, one.p.view(), {0, 11}, unit_cells_of_tile, how, one.s, one.sums);
         update_stress<Pack, true>(law, pack.p.view(), {0, 11}, unit_cells_of_tile, how, pack.s, pack.sums);
@@ -156,8 +232,8 @@ void expect_packs_have_the_bits_of_one(const Law& law, double p0) {
         for (int c = 0; c < 6; ++c) EXPECT_EQ(one.s.flux[c][i], pack.s.flux[c][i]) << Law::name;
         EXPECT_EQ(one.s.stiffness[i], pack.s.stiffness[i]) << Law::name;
       }
-      for (const Sum sum : {Sum::elastic, Sum::averaging, Sum::internal_work, Sum::plastic_work, Sum::separated,
-                            Sum::unconverged, Sum::faulty})
+      for (const Sum sum : {Sum::elastic, Sum::averaging, Sum::internal_work, Sum::viscous_work, Sum::plastic_work,
+                            Sum::separated, Sum::unconverged, Sum::faulty})
         EXPECT_NEAR(one.sums[sum], pack.sums[sum], 1e-12 * std::abs(one.sums[sum])) << Law::name << int(sum);
       EXPECT_EQ(one.sums[Most::viscosity], pack.sums[Most::viscosity]);
     }
@@ -201,7 +277,7 @@ TEST(MeansOverCells, ParticlesOfACellShareTheirCompressionWeightedWithTheirVolum
   Scratch scratch;
   const ScratchView s = scratch_of(scratch, 3);
   TileSums sums;
-  update_stress<double, false>(law, p.view(), {0, 3}, unit_cells_of_tile, {1e-3, {}, true, false}, s, sums);
+  update_stress<double, false>(law, p.view(), {0, 3}, unit_cells_of_tile, {1e-3, {}, true, false, 0}, s, sums);
   const double mean = (1 * x[0] + 3 * x[1]) / 4;
   EXPECT_NEAR(Simsand::compression(state_of<Simsand>(p, 0)), mean, 1e-12 * mean);
   EXPECT_NEAR(Simsand::compression(state_of<Simsand>(p, 1)), mean, 1e-12 * mean);
@@ -237,7 +313,7 @@ TEST(FBar, ParticlesOfACellShareTheirRateOfVolumeChangeAndKeepTheirShear) {
   }
   const double dt = 1e-3, K = law.bulk_modulus(), G = law.shear_modulus();
   TileSums sums;
-  update_stress<2>(AnyLaw(law), p.view(), {0, 3}, unit_cells_of_tile, {dt, {}, false, true}, s, sums);
+  update_stress<2>(AnyLaw(law), p.view(), {0, 3}, unit_cells_of_tile, {dt, {}, false, true, 0}, s, sums);
   const double mean[3] = {4, 4, 7};
   for (int i = 0; i < 3; ++i) {
     const auto stress = state_of<LinearElastic>(p, i).stress;

@@ -17,6 +17,7 @@ struct StressUpdate {
   Integration integration;
   bool average_pressure;  ///< replace elastic compression by its mean over the cell
   bool f_bar;             ///< replace the rate of volume change by its mean over the cell
+  double bulk_viscosity;  ///< b, share of critical damping of the grid's shortest waves, see `viscous_pressure`
 };
 
 /// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
@@ -120,6 +121,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 template <Number R>
 struct PackSums {
   R elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
+  R viscous_work = 0.0;
   R viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
 
   TALUS_HD void add_to(TileSums& sums) const {
@@ -128,6 +130,7 @@ struct PackSums {
     sums[Sum::internal_work] += sum_of(internal_work);
     sums[Sum::plastic_work] += sum_of(plastic_work);
     sums[Sum::collisional_work] += sum_of(collisional_work);
+    sums[Sum::viscous_work] += sum_of(viscous_work);
     sums.raise(Most::viscosity, largest_of(viscosity));
     sums[Sum::separated] += sum_of(n_separated);
     sums[Sum::unconverged] += sum_of(n_unconverged);
@@ -135,6 +138,14 @@ struct PackSums {
     sums[Sum::faulty] += work - work == 0 ? 0 : 1;  // infinite or not a number
   }
 };
+
+/// -b rho c h tr D, which damps what volume does between neighbouring cells (Landshoff 1955), in material that closes and in
+/// material that opens; no suction beyond the pressure that is there, for grains do not pull. Times the volume [J], from
+/// `damping` = b rho c h V [J s], `rate` = tr D and `bulk_tension` = V tr sigma/3.
+template <Number R>
+TALUS_HD R viscous_pressure(R damping, R rate, R bulk_tension) {
+  return max(R(0.0) - damping * rate, min(R(0.0), bulk_tension));
+}
 
 }  // namespace detail
 
@@ -194,7 +205,18 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     store_states<R>(particles, first, count, state);
 
     const R volume = reference_volume * law.specific_volume(state);
-    const SymTensor<R> flux = volume * Law::total_stress(state);
+    SymTensor<R> flux = volume * Law::total_stress(state);
+    R diffusion = volume * response.viscosity;
+    if constexpr (StiffensFromNothing<Law>) {
+      if (how.bulk_viscosity > 0) {
+        const R impedance = sqrt(max(zero, response.stiffness * mass * volume));  // rho c V
+        const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
+        const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
+        for (int c = 0; c < 3; ++c) flux[c] -= q;
+        total.viscous_work -= dt * q * trace(rate);
+        diffusion += damping;
+      }
+    }
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
     // With means over cells the material feels the mean rate and the nodes the particle's own: what that costs is
@@ -203,7 +225,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
-    total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
+    total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
     };

@@ -37,7 +37,7 @@ template <int Dim, class Shape>
 TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   using Layout = TileLayout<Dim, Shape>;
   const Numerics& n = m.numerics;
-  const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar};
+  const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar, bulk_viscosity_of(n)};
   const bool stress_first = n.order == Order::usf;
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), sums);

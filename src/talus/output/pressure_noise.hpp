@@ -1,0 +1,56 @@
+#pragma once
+/// How much pressure rattles: a number of every run.
+
+#include <map>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "talus/mpm/simulation.hpp"
+
+namespace talus {
+
+/// Noise of the pressure in flow, as shares of the mean pressure there.
+struct NoiseShares {
+  double in_time;       ///< of the mean pressure in a tile, about its course over a while
+  double within_cells;  ///< of the particles' pressures, about the mean of their cell
+};
+
+/// Gauges in all places where material flows: tiles of the grid, four cells along each axis, whose material moves at a tenth
+/// of sqrt(g h) at least. Over a while, half of sqrt(h/g), a gauge sees 20 pressures; what they differ by from their
+/// straight line, and particles at these instants from the mean of their cell, is noise. Shares of a run are over all
+/// gauges and whiles, weighted with volume.
+class PressureNoise {
+ public:
+  /// Of a run of a case; `so_far` is what `state` gave before it was resumed. Without gravity nothing is gauged.
+  explicit PressureNoise(const Case& case_, std::span<const double> so_far = {});
+
+  /// Whether an instant is one at which gauges are read, or the first after one.
+  bool due(double time) const { return interval_ > 0 && time >= next_ * interval_ * (1 - 1e-12); }
+  /// What the gauges read at an instant that is due [s].
+  void add(double time, const std::vector<TilePressure>& tiles);
+
+  /// None if nothing has flowed for a while.
+  std::optional<NoiseShares> shares() const;
+  /// Everything that decides what is to come.
+  std::vector<double> state() const;
+
+  static constexpr int readings = 20;  ///< in a while
+
+ private:
+  /// Sums over the readings of a gauge in a while, times from its start [s], and volumes as weights of a run's sums.
+  struct Gauge {
+    double n = 0, t = 0, tt = 0, p = 0, tp = 0, pp = 0, volume = 0, scatter = 0, speed2 = 0;
+  };
+  void end_while();
+
+  double interval_ = 0;                            ///< between readings [s]
+  double least_speed_ = 0;                         ///< of what flows [m/s]
+  double next_ = 0;                                ///< number of the reading to come
+  double readings_made_ = 0;                       ///< in this while
+  double start_ = 0;                               ///< of this while [s]
+  double pressure_ = 0, noise_ = 0, scatter_ = 0;  ///< times volumes, of the whiles that are over [J]
+  std::map<Index<3>, Gauge> gauges_;
+};
+
+}  // namespace talus
