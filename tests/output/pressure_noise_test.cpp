@@ -54,7 +54,7 @@ TEST(PressureNoise, GaugesCountByTheirVolume) {
   EXPECT_NEAR(noise.shares()->within_cells, (1 * 50 + 3 * 10) / 400.0, 1e-12);
 }
 
-TEST(PressureNoise, WhatRestsOrIsNotThereAllTheWhileIsNotGauged) {
+TEST(PressureNoise, WhatRestsOrIsNotThereAllThePeriodIsNotGauged) {
   PressureNoise noise(falling());
   read(noise, 20, [](int k) {
     std::vector<TilePressure> seen{tile(0, 100, 1, 50, 0.06), tile(1, 100, 1, 20, 0.065)};
@@ -64,7 +64,7 @@ TEST(PressureNoise, WhatRestsOrIsNotThereAllTheWhileIsNotGauged) {
   EXPECT_NEAR(noise.shares()->within_cells, 0.2, 1e-12);
 }
 
-TEST(PressureNoise, NothingIsSaidBeforeAWhileIsOverNorWhereNothingFalls) {
+TEST(PressureNoise, NothingIsSaidBeforeAPeriodIsOverNorWhereNothingFalls) {
   PressureNoise noise(falling());
   read(noise, 19, [](int) { return std::vector{tile(0, 100)}; });
   EXPECT_FALSE(noise.shares());

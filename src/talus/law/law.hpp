@@ -21,6 +21,7 @@
 ///   controls_error            true if modified_euler keeps within its tolerance however long the step
 ///   fault()                   what is wrong with the parameters together
 ///   scale_stiffness(factor)   multiplies the elastic stiffness, and touches nothing else
+///   stiffening(void_ratio)    see `StiffensFromNothing`; such laws get the solver's bulk viscosity
 ///   compression, growth_in_gap, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
 /// How to write one: docs/howto/add_a_law.md.
 /// `update` neither allocates nor throws nor calls virtual functions. What it cannot do it says in its Response.

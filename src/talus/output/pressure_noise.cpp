@@ -53,11 +53,11 @@ void PressureNoise::add(double time, const std::vector<TilePressure>& tiles) {
   }
   next_ = std::floor(time / interval_ * (1 + 1e-12)) + 1;
   readings_made_ += 1;
-  if (readings_made_ == readings) end_while();
+  if (readings_made_ == readings) end_period();
 }
 
-/// Of gauges that were in the material all the while.
-void PressureNoise::end_while() {
+/// Of gauges that were in the material all the period.
+void PressureNoise::end_period() {
   for (const auto& [tile, g] : gauges_) {
     if (g.n < readings || !(g.speed2 / g.n >= least_speed_ * least_speed_)) continue;
     const double tt = g.tt - g.t * g.t / g.n, tp = g.tp - g.t * g.p / g.n, pp = g.pp - g.p * g.p / g.n;
