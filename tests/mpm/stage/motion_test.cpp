@@ -54,25 +54,4 @@ TEST(Motion, AParticleThatLeavesIsAFinding) {
   EXPECT_EQ(move_particles(m, step, false)[Sum::faulty], 1);
 }
 
-TEST(Stresses, AStretchedPairPullsItselfTogether) {
-  // Two particles that move apart: their nodes are stretched, and what the stress gives the one it takes from the other.
-  SmallModel<> small(unit_cells<2>(16), {{5.2, 6}, {5.8, 6}});
-  auto& m = small.model;
-  arrange(m);
-  small.particles().velocity(0)[0] = -0.1;
-  small.particles().velocity(0)[1] = 0.1;
-  add_momentum(m);
-  const StepInput step{0, 1e-2, 1, 1e-12};
-  find_node_velocities(m, step);
-  const TileSums sums = update_stresses(m, step);
-  EXPECT_GT(sums[Sum::elastic], 0);
-  accelerate_nodes(m, step);
-  double force[2] = {0, 0};
-  for (int t = 0; t < m.grid.n_tiles(); ++t)
-    for (int i = 0; i < 16; ++i)
-      force[global_node<2>(m.grid.tile(t).place, i)[0] > 5] += m.grid.force.of(t)[i].force[0];
-  EXPECT_GT(force[0], 0);
-  EXPECT_NEAR(force[0] + force[1], 0, 1e-13);
-}
-
 }  // namespace talus::stage_motion_test
