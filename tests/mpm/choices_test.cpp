@@ -66,7 +66,8 @@ Body<Dim> moving_box(const LinearElastic& law, double density, const Vec<Dim>& m
 
 TEST(Transfers, NoneFeedsEnergyToASlumpOnAWallThatRubs) {
   // What particles and grid do not share, and what the viscosity damps of it, is lost; but for 2 % of the energy turned
-  // over, which pure FLIP with hat functions wins. A grain cannot be faster than one that has fallen from the top, sqrt(2 g 0.5 m).
+  // over, which pure FLIP with hat functions wins. A grain cannot be faster than one that has fallen from the top,
+  // sqrt(2 g 0.5 m).
   for (const ShapeFunction shape : all_shapes)
     for (const Transfer transfer : all_transfers) {
       if (is_refused(shape, transfer)) continue;

@@ -7,21 +7,12 @@
 #include <map>
 #include <numbers>
 
-#include "cases.hpp"
+#include "mpm/loads.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus::mpm_load_test {
-
-enum Side { x_min, x_max, y_min, y_max, z_min, z_max };
-
-SurfaceLoad load(int side, const Vec<3>& traction) {
-  SurfaceLoad l;
-  l.side = side;
-  l.traction = traction;
-  return l;
-}
 
 /// From nothing to all of it until an instant, without a jolt at either end.
 LinearInTime<double> smooth_rise(double until) {
@@ -31,14 +22,6 @@ LinearInTime<double> smooth_rise(double until) {
     f.values.push_back(0.5 - 0.5 * std::cos(std::numbers::pi * i / 40));
   }
   return f;
-}
-
-/// A weightless block of rubber in an open domain, its sides on nodes, 5 cells wide and 10 high.
-Case weightless(int dim) {
-  Case what = block(dim, rubber(), 1000);
-  what.gravity = {};
-  what.numerics.transfer = Transfer::flip;
-  return what;
 }
 
 class Loads : public testing::TestWithParam<int> {};

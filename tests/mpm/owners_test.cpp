@@ -29,6 +29,7 @@ struct Result {
   std::vector<double> ledger;
   Observation seen;
   ParticlePlaces places;
+  std::vector<TilePressure> pressures;
   std::vector<std::string> descriptions;  ///< of some particles
   long n_particles = 0;
   std::string error;  ///< of the step that broke, if one did
@@ -57,6 +58,7 @@ class Run {
     out.ledger = image_of(simulation_->ledger());
     out.n_particles = simulation_->n_particles();
     out.places = simulation_->places();
+    out.pressures = simulation_->pressures();
     for (const long id : {0L, 17L, 63L, 1000000L}) out.descriptions.push_back(simulation_->describe(id));
     out.seen = simulation_->observe();
     return out;
@@ -125,6 +127,13 @@ std::string difference(const Result& a, const Result& b) {
   for (std::size_t i = 0; i < a.places.places.size(); ++i)
     for (int axis = 0; axis < 3; ++axis)
       if (!same_bits({a.places.places[i][axis]}, {b.places.places[i][axis]})) return "places";
+  if (a.pressures.size() != b.pressures.size()) return "number of pressures";
+  for (std::size_t i = 0; i < a.pressures.size(); ++i) {
+    const TilePressure &x = a.pressures[i], &y = b.pressures[i];
+    if (x.tile != y.tile ||
+        !same_bits({x.volume, x.pressure, x.scatter, x.speed}, {y.volume, y.pressure, y.scatter, y.speed}))
+      return "pressures";
+  }
   if (a.seen.time != b.seen.time || a.seen.step != b.seen.step) return "instant";
   if (a.seen.fields.size() != b.seen.fields.size()) return "number of fields";
   for (std::size_t f = 0; f < a.seen.fields.size(); ++f) {

@@ -24,8 +24,8 @@ Numerics numerics_of(Preset preset) {
 
 bool averages_pressure(Preset preset, bool f_bar) { return !f_bar && preset != Preset::paper; }
 
-/// With 0.2 pressure in flow still rattles, with 0.4 it does not, and more only takes longer to compute and more energy: the
-/// table of docs/numerics.md.
+/// With 0.2 pressure in flow still rattles, with 0.4 it does not, and with more steps get shorter: the table of
+/// docs/numerics.md.
 Default default_bulk_viscosity(Preset preset, Order order) {
   if (preset == Preset::paper) return {0, "as in the paper"};
   if (order == Order::musl) return {0, "with order = \"musl\""};

@@ -118,13 +118,12 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
         -100 * l.method() / energy,
         case_.numerics.transfer == Transfer::affine_tau ? "" : "transfer = \"affine_tau\" or "));
   if (run.noise && std::max(run.noise->in_time, run.noise->within_cells) > most_noise)
-    warnings.push_back(
-        fmt::format("Pressure in flow is noise to a good part: {:.0f} % of its mean from instant to instant, {:.0f} % "
-                    "from particle to "
-                    "particle within a cell. Means over time still hold; single readings do not. {}",
-                    100 * run.noise->in_time, 100 * run.noise->within_cells,
-                    bulk_viscosity_of(case_.numerics) > 0 ? "More particles a cell or finer cells help."
-                                                          : "A `bulk_viscosity` of 0.4 calms it."));
+    warnings.push_back(fmt::format(
+        "Pressure in flow is noise to a good part: {:.0f} % of its mean from instant to instant, {:.0f} % "
+        "from particle to particle within a cell. Means over time still hold; single readings do not. {}",
+        100 * run.noise->in_time, 100 * run.noise->within_cells,
+        bulk_viscosity_of(case_.numerics) > 0 ? "More particles a cell or finer cells help."
+                                              : "A `bulk_viscosity` of 0.4, with order = \"usf\", calms it."));
   if (l.n_unconverged > 0)
     warnings.push_back(
         fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",

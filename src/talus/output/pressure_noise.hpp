@@ -26,7 +26,7 @@ class PressureNoise {
   explicit PressureNoise(const Case& case_, std::span<const double> so_far = {});
 
   /// Whether an instant is one at which gauges are read, or the first after one.
-  bool due(double time) const { return interval_ > 0 && time >= next_ * interval_ * (1 - 1e-12); }
+  bool due(double time) const { return interval_ > 0 && time >= sums_.next * interval_ * (1 - 1e-12); }
   /// What the gauges read at an instant that is due [s].
   void add(double time, const std::vector<TilePressure>& tiles);
 
@@ -38,18 +38,22 @@ class PressureNoise {
   static constexpr int readings = 20;  ///< in a period
 
  private:
+  /// Of a run so far; pressures times volumes are of the periods that are over [J].
+  struct Sums {
+    double next = 0;      ///< number of the reading to come
+    double readings = 0;  ///< made in this period
+    double start = 0;     ///< of this period [s]
+    double pressure = 0, noise = 0, scatter = 0;
+  };
   /// Sums over the readings of a gauge in a period, times from its start [s], and volumes as weights of a run's sums.
   struct Gauge {
     double n = 0, t = 0, tt = 0, p = 0, tp = 0, pp = 0, volume = 0, scatter = 0, speed2 = 0;
   };
   void end_period();
 
-  double interval_ = 0;                            ///< between readings [s]
-  double least_speed_ = 0;                         ///< of what flows [m/s]
-  double next_ = 0;                                ///< number of the reading to come
-  double readings_made_ = 0;                       ///< in this period
-  double start_ = 0;                               ///< of this period [s]
-  double pressure_ = 0, noise_ = 0, scatter_ = 0;  ///< times volumes, of the periods that are over [J]
+  double interval_ = 0;     ///< between readings [s]
+  double least_speed_ = 0;  ///< of what flows [m/s]
+  Sums sums_;
   std::map<Index<3>, Gauge> gauges_;
 };
 

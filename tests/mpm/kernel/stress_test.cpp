@@ -118,14 +118,14 @@ TEST(Stress, AsItIsIsVolumeTimesStressOfTheState) {
 
 /// A particle of sand at a pressure in a cell of half a metre, whose volume grows at a rate [1/s], with b = 0.4 and without.
 struct Damped {
-  double pressure, without, with, work;
+  double without = 0, with = 0;  ///< pressure times volume [J]
   TileSums sums;
-  double stiffness;  ///< times volume
+  double stiffness = 0;  ///< times volume [J]
 };
 Damped damped(double p0, double rate) {
   const Simsand law = case_1_sand();
   const CellFinder<2> cells{{0, 0}, 2, {0, 0}};
-  Damped found{p0, 0, 0, 0, {}, 0};
+  Damped found;
   for (const double b : {0.0, 0.4}) {
     auto p = particles_at<2>({{0.2, 0.2}}, {state_size<Simsand>});
     p.reference_volume()[0] = 2;

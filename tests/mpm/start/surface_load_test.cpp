@@ -6,25 +6,9 @@
 
 #include <numbers>
 
-#include "mpm/cases.hpp"
+#include "mpm/loads.hpp"
 
 namespace talus::surface_load_test {
-
-enum Side { x_min, x_max, y_min, y_max, z_min, z_max };
-
-SurfaceLoad load(int side, const Vec<3>& traction) {
-  SurfaceLoad l;
-  l.side = side;
-  l.traction = traction;
-  return l;
-}
-
-/// A weightless block of rubber in an open domain, its sides on nodes, 5 cells wide and 10 high.
-Case weightless(int dim) {
-  Case what = block(dim, rubber(), 1000);
-  what.gravity = {};
-  return what;
-}
 
 double total(const std::vector<double>& areas) {
   double sum = 0;
