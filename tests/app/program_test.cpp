@@ -262,10 +262,10 @@ TEST_F(Program, ListNamesEveryLawShapeTransferAndWall) {
   const Finished list = talus("list");
   EXPECT_EQ(list.code, 0);
   for (const char* part :
-       {"granular",       "simsand",         "mu_i",          "mohr_coulomb", "drucker_prager", "local_mu_i",
-        "linear_elastic", "newtonian_fluid", "Phi_c",         "quadratic",    "linear",         "cubic",
-        "ugimp",          "flip_tau",        "apic",          "tpic",         "musl",           "paper",
-        "no_slip",        "kg/m3",           "at most 48 deg"})
+       {"granular",   "granular_rate",  "simsand",         "mu_i",          "mohr_coulomb", "drucker_prager",
+        "local_mu_i", "linear_elastic", "newtonian_fluid", "Phi_c",         "quadratic",    "linear",
+        "cubic",      "ugimp",          "flip_tau",        "apic",          "tpic",         "musl",
+        "paper",      "no_slip",        "kg/m3",           "at most 48 deg"})
     EXPECT_TRUE(has(list.output, part)) << part;
 }
 

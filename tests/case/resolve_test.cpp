@@ -377,6 +377,27 @@ TEST(Defaults, MaterialLiftsOffRoughGroundAndOffSmoothSolidsOnly) {
   EXPECT_FALSE(surface_of_solid(WallKind::no_slip).separates);
 }
 
+/// The material of a case with friction of contacts that grows with the rate.
+void grow_with_rate(Case& c) {
+  const Granular& law = std::get<Granular>(c.materials[0].law);
+  GranularRate grows{};
+  grows.frictional = law.frictional;
+  grows.collisional = law.collisional;
+  grows.zeta = 0.8;
+  grows.reach = 0.15;
+  grows.Phi_w = 0.02;
+  c.materials[0].law = grows;
+}
+
+TEST(Defaults, FrictionOfARoughBedGrowsAsThatOfItsGrains) {
+  Case c = slump_2d();
+  EXPECT_EQ(resolve(c).walls[2].rise, FrictionRise{}) << "`granular` has constant friction";
+  grow_with_rate(c);
+  const Wall bed = resolve(c).walls[2];
+  EXPECT_EQ(bed.rise, (FrictionRise{0.66 - 0.38, 0.28, m("1 mm"), 0.70}));
+  EXPECT_EQ(bed.friction, resolve(slump_2d()).walls[2].friction) << "at rest they are the same";
+}
+
 // ---- refusals ----------------------------------------------------------------------------------------------------
 
 /// What is said about the slump with a change.
@@ -438,6 +459,13 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
         c.materials.push_back({"water", NewtonianFluid{1e6, 0}, 1000});
       },
       "domain.walls.y_min.kind cannot be rough: the law of `water` has no critical friction");
+  expect_mistake(
+      [](Case& c) {
+        c.materials.push_back(c.materials[0]);
+        c.materials[1].name = "others";
+        grow_with_rate(c);
+      },
+      "domain.walls.y_min.kind cannot be rough: friction of the materials grows differently with the rate");
   expect_mistake(
       [](Case& c) {
         c.gravity = {};

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "talus/law/granular.hpp"
+#include "talus/law/granular_rate.hpp"
 
 namespace talus {
 
@@ -30,6 +31,16 @@ inline MuI glass_grains() { return {.28, 2970, 1.8e-3, .4660, .5774, .62, .22}; 
 inline MuI case_1_grains() { return {.28, 2500, 1e-3, .38, .66, .70, .29}; }
 
 inline Granular case_1() { return {case_1_sand(), case_1_grains()}; }
+inline GranularRate case_1_for_predictions() {
+  GranularRate law{};
+  law.frictional = case_1_sand();
+  law.collisional = case_1_grains();
+  law.zeta = 0.8;
+  law.reach = 0.15;
+  law.Phi_w = 0.02;
+  law.prepare();
+  return law;
+}
 
 /// The frictional sets, with names for messages.
 struct NamedSand {

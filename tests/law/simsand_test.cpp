@@ -496,7 +496,8 @@ TEST(Simsand, TheReturnFindsItsRootTo1eMinus8AndAtWorstToTwentyTimesThat) {
       if (law.update(s, motion, implicit).outcome != double(Outcome::plastic)) continue;
       ++n;
       const auto trial = detail::try_elastic(law, old, volumetric_compression(motion.strain));
-      const detail::ReturnEquation<double> equation(law, old, motion.strain, trial);
+      const ConstantFriction friction;
+      const detail::ReturnEquation equation(law, old, motion.strain, trial, friction);
       const auto at = equation.at(s.x, std::log(s.x));
       const double residual = std::abs(at.residual) - 2e-13 * std::abs(trial.x);
       const double error = residual / std::max(1.0, equation.slope(at)) / s.x;

@@ -353,6 +353,7 @@ TEST(Owners, HaveTheBitsOfOneWithEveryLawAndEveryMeanOverCells) {
   const std::pair<const char*, AnyLaw> laws[] = {
       {"granular", case_1()},
       {"granular with history", settled(with_history)},
+      {"granular_rate", case_1_for_predictions()},
       {"simsand", case_1_sand()},
       {"simsand_appendix_a", SimsandAppendixA{case_1_sand()}},
       {"mu_i", case_1_grains()},

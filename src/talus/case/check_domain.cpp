@@ -13,8 +13,10 @@ namespace {
 /// Materials of which a surface cannot be made rough: without a critical friction, or with another than those before.
 void check_rough_surface(MistakesOf surface, const Case& case_) {
   double friction = 0;
+  FrictionRise rise;
   for (const Material& m : case_.materials) {
     const std::optional<double> of_one = critical_friction_of(m.law);
+    const FrictionRise rise_of_one = friction_rise_of(m.law);
     if (!of_one)
       surface.add("kind", fmt::format("cannot be rough: the law of `{}` has no critical friction; use no_slip or {{ "
                                       "kind = \"friction\", friction = ... }}",
@@ -23,8 +25,14 @@ void check_rough_surface(MistakesOf surface, const Case& case_) {
       surface.add("kind", fmt::format("cannot be rough: materials differ in friction, {:.4g} and {:.4g}; write {{ kind "
                                       "= \"friction\", friction = ... }}",
                                       friction, *of_one));
-    else
+    else if (friction != 0 && rise_of_one != rise)
+      surface.add("kind",
+                  "cannot be rough: friction of the materials grows differently with the rate; write { kind = "
+                  "\"friction\", friction = ... }, which does not grow");
+    else {
       friction = *of_one;
+      rise = rise_of_one;
+    }
   }
 }
 

@@ -81,6 +81,12 @@ double rough_friction(const Case& case_) {
   return 0;
 }
 
+FrictionRise rough_friction_rise(const Case& case_) {
+  for (const Material& m : case_.materials)
+    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return friction_rise_of(m.law);
+  return {};
+}
+
 Default default_snapshots(const Case& case_) { return {case_.end / 50, "a fiftieth of the run"}; }
 Default default_history(const Case& case_) { return {case_.end / 500, "a five-hundredth of the run"}; }
 

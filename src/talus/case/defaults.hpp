@@ -54,8 +54,10 @@ inline Wall surface_of_solid(WallKind kind, double friction = 0) {
   return {kind, friction, separates_from_solid(kind)};
 }
 
-/// Friction of a `rough` surface: that of the first material that has a critical friction; 0 if none has.
+/// Friction of a `rough` surface: that of the first material that has a critical friction; 0 if none has. And how it grows
+/// with the rate there.
 double rough_friction(const Case& case_);
+FrictionRise rough_friction_rise(const Case& case_);
 
 Default default_snapshots(const Case& case_);  ///< interval [s]
 Default default_history(const Case& case_);    ///< interval [s]

@@ -94,6 +94,15 @@ std::optional<double> critical_friction_of(const AnyLaw& law) {
       law);
 }
 
+FrictionRise friction_rise_of(const AnyLaw& law) {
+  return std::visit(
+      [](const auto& l) -> FrictionRise {
+        if constexpr (requires { l.friction_rise(); }) return l.friction_rise();
+        return {};
+      },
+      law);
+}
+
 double grain_diameter_of(const AnyLaw& law) {
   return std::visit(
       [](const auto& l) {

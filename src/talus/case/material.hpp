@@ -37,6 +37,8 @@ bool is_for_element_tests_only(const AnyLaw& law);
 /// Coefficient of friction of the material on itself where a layer of it is sheared at its critical state; none if the law
 /// has no critical friction.
 std::optional<double> critical_friction_of(const AnyLaw& law);
+/// How that friction grows with the rate; not at all if the law does not say.
+FrictionRise friction_rise_of(const AnyLaw& law);
 
 /// Diameter of the grains [m]; 0 of a law that does not know it.
 double grain_diameter_of(const AnyLaw& law);

@@ -24,7 +24,9 @@ void count_cells(Case& case_) {
 
 /// `rough` is `friction` with that of the material on itself.
 void set_friction(Wall& wall, const Case& case_) {
-  if (wall.kind == WallKind::rough) wall = {WallKind::friction, rough_friction(case_), wall.separates};
+  if (wall.kind != WallKind::rough) return;
+  wall = {WallKind::friction, rough_friction(case_), wall.separates};
+  wall.rise = rough_friction_rise(case_);
 }
 
 void normalise(Vec<3>& direction) {

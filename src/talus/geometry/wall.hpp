@@ -2,6 +2,7 @@
 /// Surfaces that material meets: the sides of the domain, and those of rigid solids.
 
 #include "talus/base/parameter.hpp"
+#include "talus/mechanics/friction.hpp"
 
 namespace talus {
 
@@ -30,6 +31,7 @@ struct Wall {
   WallKind kind;
   double friction;  ///< Coulomb's coefficient, of `friction`
   bool separates;   ///< material may lift off; otherwise it is held
+  FrictionRise rise{};  ///< with the sliding speed, of `friction`
 
   Wall(WallKind k = WallKind::open, double mu = 0, bool lifts_off = false)  // NOLINT: a kind alone is a wall
       : kind(k), friction(mu), separates(lifts_off) {}

@@ -21,6 +21,8 @@
 ///   controls_error            true if modified_euler keeps within its tolerance however long the step
 ///   fault()                   what is wrong with the parameters together
 ///   scale_stiffness(factor)   multiplies the elastic stiffness, and touches nothing else
+///   critical_friction()       shear over normal stress of a layer that is sheared on and on, slowly
+///   friction_rise()           how that grows with the rate
 ///   stiffening(void_ratio)    see `StiffensFromNothing`; such laws get the solver's bulk viscosity
 ///   compression, growth_in_gap, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
 /// How to write one: docs/howto/add_a_law.md.
@@ -172,10 +174,10 @@ TALUS_HD auto outcome_of(M carries, M yielded, M separated) {
                 select(separated, number(Outcome::separated), number(Outcome::zero_pressure)));
 }
 
-/// Lane by lane, a function of one state and one motion: for what branches too much to share an instruction stream.
+/// Lane by lane, a function of one state, one motion and the lane's number: for what branches too much to share an instruction stream.
 template <template <class> class State, class F>
 TALUS_HD Response<double> lane_by_lane(State<double>& state, const Motion<double>& motion, F update_one) {
-  return update_one(state, motion);
+  return update_one(state, motion, 0);
 }
 template <template <class> class State, class F>
 TALUS_HD Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& motion, F update_one) {
@@ -184,7 +186,7 @@ TALUS_HD Response<Pack> lane_by_lane(State<Pack>& state, const Motion<Pack>& mot
     State<double> one = lane_of<State<double>>(state, lane);
     const Motion<double> m{lane_of<SymTensor<double>>(motion.strain, lane),
                            lane_of<SymTensor<double>>(motion.strain_rate, lane), motion.dt};
-    set_lane(response, lane, update_one(one, m));
+    set_lane(response, lane, update_one(one, m, lane));
     set_lane(state, lane, one);
   }
   return response;

@@ -5,6 +5,7 @@
 
 #include "talus/law/drucker_prager.hpp"
 #include "talus/law/granular.hpp"
+#include "talus/law/granular_rate.hpp"
 #include "talus/law/linear_elastic.hpp"
 #include "talus/law/local_mu_i.hpp"
 #include "talus/law/mohr_coulomb.hpp"
@@ -24,8 +25,8 @@ struct LawList {
   }
 };
 
-using Laws = LawList<Granular, GranularWithHistory, Simsand, MuI, MohrCoulomb, DruckerPrager, LocalMuI, LinearElastic,
-                     NewtonianFluid, SimsandAppendixA>;
+using Laws = LawList<Granular, GranularWithHistory, GranularRate, Simsand, MuI, MohrCoulomb, DruckerPrager, LocalMuI,
+                     LinearElastic, NewtonianFluid, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
 /// The type that a law's options ask for: `granular` with a history where its collisional form needs one.

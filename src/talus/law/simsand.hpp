@@ -32,6 +32,13 @@ namespace talus {
 
 inline constexpr double atmospheric_pressure = 101300;  ///< p_at [Pa], Eq. 4
 
+/// Friction that does not change with the rate. What takes its place (see `granular_rate.hpp`) says by what factor both
+/// slopes, M_p and M_pt, exceed those at rest at the pressure p [Pa], and how that changes with p [1/Pa].
+struct ConstantFriction {
+  static constexpr bool is_constant = true;
+  TALUS_HD ConstantFriction of_lane(int) const { return {}; }
+};
+
 /// Parameters of SIMSAND (Table 2); call `prepare` after setting them.
 struct Simsand {
   double E0, nu, n;           ///< elasticity, Eq. 4
@@ -124,8 +131,9 @@ struct Simsand {
 
   // ---- what a law offers -----------------------------------------------------------------------------------------
 
-  template <Number R>
-  TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const;
+  template <Number R, class Friction = ConstantFriction>
+  TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how,
+                              const Friction& friction = {}) const;
 
   template <class R>
   TALUS_HD static SymTensor<R> total_stress(const State<R>& state) {
@@ -295,13 +303,15 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
 
 namespace talus {
 
-template <Number R>
-TALUS_HD Response<R> Simsand::update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
-  if (how.scheme == Integrator::return_mapping) return detail::return_mapping(*this, state, motion);
+template <Number R, class Friction>
+TALUS_HD Response<R> Simsand::update(State<R>& state, const Motion<R>& motion, const Integration& how,
+                                     const Friction& friction) const {
+  if (how.scheme == Integrator::return_mapping) return detail::return_mapping(*this, state, motion, friction);
   // The explicit schemes branch too much to share an instruction stream; they take one particle after the other.
-  return lane_by_lane(state, motion, [&](State<double>& one, const Motion<double>& m) {
-    return how.scheme == Integrator::modified_euler ? detail::modified_euler(*this, one, m, how.tolerance)
-                                                    : detail::forward_euler(*this, one, m);
+  return lane_by_lane(state, motion, [&](State<double>& one, const Motion<double>& m, int lane) {
+    return how.scheme == Integrator::modified_euler
+               ? detail::modified_euler(*this, one, m, how.tolerance, friction.of_lane(lane))
+               : detail::forward_euler(*this, one, m, friction.of_lane(lane));
   });
 }
 

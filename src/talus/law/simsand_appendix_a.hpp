@@ -31,7 +31,7 @@ struct SimsandAppendixA {
 
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
-    return lane_by_lane(state, motion, [&](State<double>& one, const Motion<double>& m) {
+    return lane_by_lane(state, motion, [&](State<double>& one, const Motion<double>& m, int) {
       const Response<double> response =
           how.scheme == Integrator::forward_euler ? forward_euler(one, m) : modified_euler(one, m, how.tolerance);
       one.p = sand.pressure_at(one.x);

@@ -60,10 +60,11 @@ struct ReturnPoint {
 
 /// The implicit return as one equation for x. Moduli are secants of the step, so elasticity is exact; the return is
 /// radial, so that d kappa is the root of a quadratic and f = 0 holds to rounding whatever x is.
-template <class R>
+template <class R, class Friction>
 struct ReturnEquation {
   const Simsand& law;
   const Trial<R>& trial;
+  const Friction& friction;
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
   R kappa_n, p_n, x_n, ln_e;
   R k_n;                 ///< dp/dx at the old stress
@@ -72,8 +73,14 @@ struct ReturnEquation {
   double m;              ///< p/p_at = x^m
 
   TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain,
-                          const Trial<R>& t)
-      : law(l), trial(t), s_n(deviator(state.stress)), e_dev(deviator(strain)), kappa_n(state.kappa), m(l.exponent()) {
+                          const Trial<R>& t, const Friction& f)
+      : law(l),
+        trial(t),
+        friction(f),
+        s_n(deviator(state.stress)),
+        e_dev(deviator(strain)),
+        kappa_n(state.kappa),
+        m(l.exponent()) {
     const R zero = R(0.0);
     p_n = max(pressure(state.stress), zero);
     x_n = max(state.x, zero);
@@ -116,6 +123,11 @@ struct ReturnEquation {
     r.lowering = R(law.ln_e_ref) - ln_e - density;
     r.M_p = friction_slope(law.lode, law.peak_tangent(density), S);
     r.M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
+    if constexpr (!Friction::is_constant) {
+      const R risen = friction.at(r.p);
+      r.M_p = risen * r.M_p;
+      r.M_pt = risen * r.M_pt;
+    }
 
     // f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
@@ -186,14 +198,15 @@ TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const
 
 /// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
 /// their pressure.
-template <Number R>
+template <Number R, class Friction = ConstantFriction>
 TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
-                                                                 const Motion<R>& motion) {
+                                                                 const Motion<R>& motion,
+                                                                 const Friction& friction = {}) {
   using M = mask_t<R>;
   const R zero = R(0.0), floor = R(least_x), unbounded = R(1e300);
   const R D_v = volumetric_compression(motion.strain);
   const Trial<R> trial = try_elastic(law, state, D_v);
-  const ReturnEquation<R> equation(law, state, motion.strain, trial);
+  const ReturnEquation<R, Friction> equation(law, state, motion.strain, trial, friction);
 
   const R start = max(trial.x, floor);
   ReturnPoint<R> r = equation.at(start, log(start));

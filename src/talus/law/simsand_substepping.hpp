@@ -27,6 +27,7 @@ struct Change {
 };
 
 /// The rates of elastoplasticity at one state.
+template <class Friction>
 struct Tangent {
   const Simsand& law;
   double p, K, G, q, a, e, kappa;
@@ -36,7 +37,7 @@ struct Tangent {
   SymTensor<double> flow;  ///< (3/2) s/q; along the strain increment where there is no shear stress yet
   SymTensor<double> s;
 
-  TALUS_HD Tangent(const Simsand& l, const SubstepState& state, const SplitStrain& strain)
+  TALUS_HD Tangent(const Simsand& l, const SubstepState& state, const SplitStrain& strain, const Friction& friction)
       : law(l), e(state.e), kappa(state.kappa), s(state.s) {
     const double ln_P = law.exponent() * log(state.x);
     p = atmospheric_pressure * exp(ln_P);
@@ -54,11 +55,19 @@ struct Tangent {
     const double t_p = law.peak_tangent(density);
     peak = friction_slope_and_derivatives(law.lode, t_p, S);
     M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
+    double rise_by_p = 0;  // of M_p
+    if constexpr (!Friction::is_constant) {
+      const double risen = friction.at(p);
+      rise_by_p = friction.slope(p) * peak.M;
+      peak = {risen * peak.M, risen * peak.by_tangent, risen * peak.by_lode};
+      M_pt = risen * M_pt;
+    }
     h = law.hardening(kappa);
     const bool cut = t_p >= steepest_tangent;
     const double t_by_p = cut ? 0 : -t_p * law.n_p * law.Lambda * law.xi * P_xi / p;
     const double t_by_e = cut ? 0 : -t_p * law.n_p / e;
     F_p = -h * peak.M - p * h * peak.by_tangent * t_by_p;
+    if constexpr (!Friction::is_constant) F_p -= p * h * rise_by_p;
     F_e = -p * h * peak.by_tangent * t_by_e;
     F_S = sheared ? -p * h * peak.by_lode : 0;
   }
@@ -107,13 +116,14 @@ struct Heun {
   bool valid;
 };
 
-TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const SplitStrain& strain, double e_new,
-                          bool yielding) {
-  const Tangent start(law, from, strain);
+template <class Friction>
+TALUS_HD Heun heun(const Simsand& law, const SubstepState& from, const SplitStrain& strain, double e_new, bool yielding,
+                   const Friction& friction) {
+  const Tangent start(law, from, strain, friction);
   const Change first = yielding ? start.plastic(strain) : start.elastic(strain);
   const SubstepState euler = after(from, first, e_new);
   if (!(euler.x > 0.1 * from.x)) return {from, 1, false};
-  const Tangent end(law, euler, strain);
+  const Tangent end(law, euler, strain, friction);
   if (yielding && !(start.resistance() > 0 && end.resistance() > 0)) return {from, 1, false};
   const Change second = yielding ? end.plastic(strain) : end.elastic(strain);
   const Change mean = {0.5 * (first.s + second.s), 0.5 * (first.x + second.x), 0.5 * (first.dkappa + second.dkappa)};
@@ -126,9 +136,11 @@ TALUS_HD inline Heun heun(const Simsand& law, const SubstepState& from, const Sp
 }
 
 /// Brings a state that drifted off the yield surface back along the plastic flow, the total strain unchanged.
-TALUS_HD inline SubstepState correct_drift(const Simsand& law, SubstepState state, const SplitStrain& strain) {
+template <class Friction>
+TALUS_HD SubstepState correct_drift(const Simsand& law, SubstepState state, const SplitStrain& strain,
+                                    const Friction& friction) {
   for (int i = 0; i < 5; ++i) {
-    const Tangent t(law, state, strain);
+    const Tangent t(law, state, strain, friction);
     const double f = t.yield();
     if (abs(f) <= 1e-12 * t.p || !(t.resistance() > 0)) break;
     const Change back = t.change({SymTensor<double>::zero(), 0}, f / t.resistance());
@@ -152,13 +164,14 @@ TALUS_HD inline double e_after(const SubstepState& from, const SplitStrain& part
 
 /// An elastic substep from inside or on the yield surface, as much of `fraction` of the increment as does not end
 /// outside; `fraction` becomes what it took.
-TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& from, const SplitStrain& whole, double p,
-                                     double f_start, double& fraction) {
+template <class Friction>
+TALUS_HD Heun elastic_substep(const Simsand& law, const SubstepState& from, const SplitStrain& whole, double p,
+                              double f_start, double& fraction, const Friction& friction) {
   Heun h;
   const auto yield_after = [&](double part) {
     const SplitStrain strain = whole.part(part);
-    h = heun(law, from, strain, e_after(from, strain), false);
-    return Tangent(law, h.state, strain).yield();
+    h = heun(law, from, strain, e_after(from, strain), false, friction);
+    return Tangent(law, h.state, strain, friction).yield();
   };
   double high = fraction, f_high = yield_after(high);
   if (f_high <= on_surface * p) return h;
@@ -188,8 +201,10 @@ TALUS_HD inline Heun elastic_substep(const Simsand& law, const SubstepState& fro
 /// Modified Euler with adaptive substeps, yield crossing and drift correction (Sloan, Abbo and Sheng 2001, Eng. Comput.
 /// 18:121). `tolerance` bounds the relative error of each substep. Where contacts are about to lose their pressure the
 /// implicit return takes over.
-TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state,
-                                                               const Motion<double>& motion, double tolerance) {
+template <class Friction = ConstantFriction>
+TALUS_NOINLINE TALUS_HD Response<double> modified_euler(const Simsand& law, Simsand::State<double>& state,
+                                                        const Motion<double>& motion, double tolerance,
+                                                        const Friction& friction = {}) {
   const SplitStrain whole{deviator(motion.strain), volumetric_compression(motion.strain)};
   const double size = deviatoric_strain(whole.dev) + abs(whole.D_v);
   Response<double> response{double(Outcome::elastic), 0, 0, 0, 0, 0};
@@ -203,14 +218,14 @@ TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& la
       const SplitStrain strain = whole.part(step);
       SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
       // A state that was put outside, by averaging over a cell or by the user, flows back first.
-      if (Tangent(law, from, strain).yield() > on_surface * law.pressure_at(from.x))
-        from = correct_drift(law, from, strain);
-      const Tangent start(law, from, strain);
+      if (Tangent(law, from, strain, friction).yield() > on_surface * law.pressure_at(from.x))
+        from = correct_drift(law, from, strain, friction);
+      const Tangent start(law, from, strain, friction);
       const double f = start.yield();
       const bool yielding = f >= -on_surface * start.p && start.loading(strain) > 0;
       double taken = step;
-      const Heun next = yielding ? heun(law, from, strain, e_after(from, strain), true)
-                                 : elastic_substep(law, from, whole, start.p, f, taken);
+      const Heun next = yielding ? heun(law, from, strain, e_after(from, strain), true, friction)
+                                 : elastic_substep(law, from, whole, start.p, f, taken, friction);
       if (next.error > tolerance) {
         const double shrink = next.valid ? max(0.9 * sqrt(tolerance / next.error), 0.1) : 0.25;
         if (taken * shrink > least_substep) {
@@ -220,7 +235,7 @@ TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& la
       }
       explicit_works = next.valid;
       if (explicit_works) {
-        const SubstepState to = yielding ? correct_drift(law, next.state, strain) : next.state;
+        const SubstepState to = yielding ? correct_drift(law, next.state, strain, friction) : next.state;
         const double p = law.pressure_at(to.x);
         const SplitStrain by = whole.part(taken);
         response.work += 0.5 * (double_dot(from.s + to.s, by.dev) + (law.pressure_at(from.x) + p) * by.D_v);
@@ -233,8 +248,8 @@ TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& la
     }
     if (!explicit_works) {
       step = min(1 - done, max(least_substep, implicit_step));
-      const Response<double> r =
-          return_mapping(law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt});
+      const Response<double> r = return_mapping(
+          law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt}, friction);
       response.outcome = r.outcome;
       response.work += r.work;
       // Without pressure there is nothing to follow closely.
@@ -252,14 +267,15 @@ TALUS_NOINLINE TALUS_HD inline Response<double> modified_euler(const Simsand& la
 
 /// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls
 /// to zero leaves the point without stress.
-TALUS_NOINLINE TALUS_HD inline Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
-                                                              const Motion<double>& motion) {
+template <class Friction = ConstantFriction>
+TALUS_NOINLINE TALUS_HD Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
+                                                       const Motion<double>& motion, const Friction& friction = {}) {
   const SplitStrain strain{deviator(motion.strain), volumetric_compression(motion.strain)};
   const Trial<double> trial = try_elastic(law, state, strain.D_v);
   const double p = pressure(state.stress);
-  if (!(p > 0)) return return_mapping(law, state, motion);  // Eq. 11 has no stiffness to start from
+  if (!(p > 0)) return return_mapping(law, state, motion, friction);  // Eq. 11 has no stiffness to start from
   const SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
-  const Tangent t(law, from, strain);
+  const Tangent t(law, from, strain, friction);
   const bool yielding = t.yield() >= 0 && t.loading(strain) > 0;
   const Change c = yielding ? t.plastic(strain) : t.elastic(strain);
   const double p_new = p + t.K / t.a * c.x;

@@ -22,6 +22,17 @@ inline constexpr Choice lode_choices[] = {
     {"none", "as strong in every direction as in triaxial compression"},
 };
 
+/// How the coefficient of Coulomb friction grows with the inertial number, mu + gain I/(I_0 + I): what grains have on a bed
+/// of their like.
+struct FrictionRise {
+  double gain = 0;      ///< mu of the fastest flow less mu at rest
+  double I_0 = 1;       ///< inertial number at which half of it is there
+  double diameter = 0;  ///< of the grains [m]
+  double Phi = 1;       ///< share of the volume that they fill
+
+  bool operator==(const FrictionRise&) const = default;
+};
+
 /// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.5 on it is dented in simple shear
 /// too.
 inline constexpr double steepest_tangent = 1.1106125148291928;  // tan 48 deg

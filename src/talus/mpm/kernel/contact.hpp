@@ -65,19 +65,33 @@ TALUS_HD inline Vec<3> at_start(const NodeContact& c, const Vec<3>& v) {
   return c.closed ? v - dot(v - c.velocity, c.normal) * c.normal : admitted(c, v);
 }
 
+/// The speed v of sliding that is left where friction grows with it, of the speed `sliding` that constant friction would
+/// leave. The layer that shears is taken to be half a cell h thick, under the pressure pressed rho h/(2 dt) of a node that
+/// stands for half a cell:
+///   I = (2 v/h) d sqrt(rho_s/p) = k v,   k^2 = 8 d^2 dt/(h^3 Phi pressed),   v = sliding - gain k v/(I_0 + k v) pressed
+/// with `layer` = dt/h^3.
+TALUS_HD inline double sliding_left(const FrictionRise& rise, double sliding, double pressed, double layer) {
+  const double k = rise.diameter * sqrt(8 * layer / (rise.Phi * pressed));
+  const double b = rise.I_0 + k * (rise.gain * pressed - sliding);
+  const double root = sqrt(b * b + 4 * k * rise.I_0 * sliding);
+  return b > 0 ? 2 * rise.I_0 * sliding / (b + root) : (root - b) / (2 * k);
+}
+
 /// What is left of the velocity that a node would reach without contact.
 struct AfterContact {
   Vec<3> velocity;
   bool sticks;  ///< friction holds it on the surface
 };
-TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial) {
+TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial, double layer = 0) {
   const Vec<3> v = admitted(c, trial);
   if (c.surface.kind != WallKind::friction) return {v, false};
   const double pressed = dot(v - trial, c.normal) + c.pressed;
   const Vec<3> relative = v - c.velocity, sliding = relative - dot(relative, c.normal) * c.normal;
   const double speed = sqrt(dot(sliding, sliding)), held = max(0.0, c.surface.friction * pressed);
   if (speed <= held) return {v - sliding, true};
-  return {v - (held / speed) * sliding, false};
+  const FrictionRise& rise = c.surface.rise;
+  const double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, layer) : held;
+  return {v - (taken / speed) * sliding, false};
 }
 
 /// Sets the velocities that strains are found with, from those that momentum has brought; particles feel the share `felt`
@@ -100,15 +114,16 @@ TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& 
   }
 }
 
-/// Applies contacts to the velocities that nodes have reached. Their energy goes into work on what moves and into heat of
+/// Applies contacts to the velocities that nodes have reached; `layer` is dt/h^3, see `sliding_left`. Their energy goes into work on what moves and into heat of
 /// what rubs. Writes new velocities and, from them, accelerations.
 template <int Dim>
 TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>& tile, const Mirrors<Dim>& walls,
-                              double dt, Quad gravity, const ForceStiffness* force, const MassVelocity* velocity,
-                              MassVelocity* new_velocity, Acceleration* acceleration, TileSums& sums) {
+                              double dt, double layer, Quad gravity, const ForceStiffness* force,
+                              const MassVelocity* velocity, MassVelocity* new_velocity, Acceleration* acceleration,
+                              TileSums& sums) {
   for (NodeContact& c : contacts) {
     const Quad trial = load_node(new_velocity[c.node]);
-    const AfterContact after = after_contact(c, vector_of(trial));
+    const AfterContact after = after_contact(c, vector_of(trial), layer);
     c.sticks = after.sticks;
     const Quad v_new = quad_of(after.velocity, trial[3]) * walls.allowed(tile, c.node);
     store_node(new_velocity[c.node], v_new);

@@ -86,6 +86,7 @@ template <int Dim, class Shape>
 TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
   m.add_windows(m.grid.force_windows, m.grid.force);
   const Quad gravity = m.gravity_at_nodes();
+  const double h = m.domain.h, layer = step.dt / (h * h * h);
   const TileSums total = m.over_tiles([&](int t, int, TileSums& sums) {
     auto& g = m.grid;
     const auto& walls = m.walls->mirrors();
@@ -93,7 +94,7 @@ TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
                g.acceleration.of(t), g.new_velocity.of(t), sums);
     if (m.contact_finder.any())
-      rub_on_surfaces(m.contacts_of(t), place, walls, step.dt, gravity, g.force.of(t), g.velocity.of(t),
+      rub_on_surfaces(m.contacts_of(t), place, walls, step.dt, layer, gravity, g.force.of(t), g.velocity.of(t),
                       g.new_velocity.of(t), g.acceleration.of(t), sums);
   });
   m.walls->extend(m.backend, m.grid.new_velocity.data());
