@@ -1,8 +1,9 @@
 #include "talus/calibration/fit.hpp"
 
+#include <nlopt.hpp>
+
 #include <algorithm>
 #include <cmath>
-#include <nlopt.hpp>
 
 namespace talus {
 
@@ -153,7 +154,7 @@ Vector bounded_step(const Matrix& H, const Vector& g, const Vector& x, double da
   // Steps in units in which the diagonal of H is 1; a parameter that no row depends on stays.
   std::vector<int> moving;
   for (int p : parameters)
-    if (H(p, p) > 0) moving.push_back(p);
+    if (H(p, p) > no_influence * no_influence) moving.push_back(p);
   Vector step = Vector::Zero(x.size());
   if (moving.empty()) return step;
   const auto n = Eigen::Index(moving.size());
@@ -167,9 +168,9 @@ Vector bounded_step(const Matrix& H, const Vector& g, const Vector& x, double da
   for (Eigen::Index i = 0; i < n; ++i) {
     subproblem.g[i] = g[moving[std::size_t(i)]] * unit[std::size_t(i)];
     for (Eigen::Index j = 0; j < n; ++j)
-      subproblem.H(i, j) = H(moving[std::size_t(i)], moving[std::size_t(j)]) * unit[std::size_t(i)] *
-                              unit[std::size_t(j)] +
-                          (i == j ? damping : 0);
+      subproblem.H(i, j) =
+          H(moving[std::size_t(i)], moving[std::size_t(j)]) * unit[std::size_t(i)] * unit[std::size_t(j)] +
+          (i == j ? damping : 0);
   }
   nlopt::opt optimiser(nlopt::LD_SLSQP, unsigned(n));
   optimiser.set_min_objective(&Subproblem::evaluate, &subproblem);
@@ -183,8 +184,7 @@ Vector bounded_step(const Matrix& H, const Vector& g, const Vector& x, double da
   } catch (const nlopt::roundoff_limited&) {
     // `s` is the best that was found
   }
-  for (std::size_t i = 0; i < moving.size(); ++i)
-    step[moving[i]] = std::clamp(s[i], low[i], high[i]) * unit[i];
+  for (std::size_t i = 0; i < moving.size(); ++i) step[moving[i]] = std::clamp(s[i], low[i], high[i]) * unit[i];
   return step;
 }
 

@@ -63,6 +63,9 @@ struct SearchState {
   bool finished = false;
 };
 
+/// Change of the misfit over the whole range of a parameter below which no test depends on it: the search leaves it alone.
+inline constexpr double no_influence = 1e-4;
+
 /// The change of x that minimises |r + J s|^2 + damping |D s|^2 within 0 <= x + s <= 1, with D^2 the diagonal of J^T J:
 /// H = J^T J, g = J^T r. Only `parameters` change.
 Vector bounded_step(const Matrix& H, const Vector& g, const Vector& x, double damping,

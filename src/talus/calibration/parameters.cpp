@@ -8,6 +8,7 @@
 
 #include "talus/base/error.hpp"
 #include "talus/base/table.hpp"
+#include "talus/base/units.hpp"
 #include "talus/case/material.hpp"
 
 namespace talus {
@@ -157,6 +158,12 @@ AnyLaw law_at(const Calibration& calibration, const Vector& x) {
   for (const TiedParameter& tie : calibration.tied) values.emplace_back(tie.key, value_of_tie(tie, law));
   if (!values.empty()) set_parameters(law, values);
   return law;
+}
+
+std::string rounded_with_unit(double value, std::string_view unit, int digits) {
+  if (!std::isfinite(value)) return "-";
+  if (unit == "rad") return fmt::format("{:.{}g} deg", value / degree, digits);
+  return with_unit(std::stod(fmt::format("{:.{}g}", value, digits)), unit);
 }
 
 std::vector<double> void_ratios_of_tests(const Calibration& calibration) {

@@ -1,12 +1,12 @@
 #pragma once
 /// The parameters of a law by their names, and the coordinates in which they are searched.
 
+#include <Eigen/Dense>
+
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
-
-#include <Eigen/Dense>
 
 #include "talus/calibration/specification.hpp"
 
@@ -49,6 +49,9 @@ AnyLaw law_at(const Calibration& calibration, const Vector& x);
 
 /// The value of a tie, from the parameters of a law. Throws std::runtime_error where the formula is wrong.
 double value_of_tie(const TiedParameter& tie, const AnyLaw& law);
+
+/// A value with so many digits and its unit, angles in degrees; "-" if it is not finite.
+std::string rounded_with_unit(double value, std::string_view unit, int digits);
 
 /// Void ratios at which the tests start.
 std::vector<double> void_ratios_of_tests(const Calibration& calibration);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "talus/base/error.hpp"
 #include "talus/case/material.hpp"
@@ -33,9 +34,9 @@ double leading_strain(const MeasuredTest& test, double value) {
 
 Controls controls_of(const MeasuredTest& test, Course course) {
   if (test.kind == TestKind::simple_shear)
-    return simple_shear(test.drainage == TestDrainage::undrained ? ShearDrainage::undrained
-                                                                 : ShearDrainage::constant_normal_stress,
-                        0, course);
+    return simple_shear(
+        test.drainage == TestDrainage::undrained ? ShearDrainage::undrained : ShearDrainage::constant_normal_stress, 0,
+        course);
   const TriaxialDrainage drainage = test.drainage == TestDrainage::undrained    ? TriaxialDrainage::undrained
                                     : test.drainage == TestDrainage::constant_p ? TriaxialDrainage::constant_p
                                                                                 : TriaxialDrainage::drained;
@@ -173,13 +174,13 @@ Prediction predict_path(const MeasuredTest& test, const AnyLaw& law, double prec
         xs.push_back(leading_at(test, now));
         ys.push_back(value_of(quantity.name, test, now, start));
       }
-      if (xs.empty()) {
-        xs = {0};
-        ys = {value_of(quantity.name, test, Instant{result.rows.back(), columns}, start)};
+      if (xs.empty()) continue;
+      const bool grows = test.leading[branches[b].last] >= test.leading[branches[b].first];
+      for (std::size_t i = branches[b].first; i <= branches[b].last; ++i) {
+        const double x = test.is_led_by_stress() ? test.leading[i] : leading_strain(test, test.leading[i]);
+        const bool reached = result.failure.empty() || (grows ? x <= xs.back() : x >= xs.back());
+        if (reached) values[i] = interpolated(xs, ys, x);
       }
-      for (std::size_t i = branches[b].first; i <= branches[b].last; ++i)
-        values[i] =
-            interpolated(xs, ys, test.is_led_by_stress() ? test.leading[i] : leading_strain(test, test.leading[i]));
     }
     // Strains are measured from where they were set to zero, computed from the first row.
     if (quantity.name.ends_with("strain") || quantity.name == "pore_pressure")
@@ -194,17 +195,17 @@ struct Sheared {
   double p, tau, normal[3], void_ratio;
 };
 
-/// One state of steady shear. The stress at the start is the measured one, so that the way to the steady state is short.
-/// Rows grow by a constant factor, so the last covers nearly half of the strain; where it still changes stress or void
-/// ratio by more than 2 %, the shear goes on to four times the strain, twice at most.
-Sheared shear_until_steady(const MeasuredTest& test, const ShearedState& state, const AnyLaw& law, double precision,
-              Prediction& prediction) {
+/// One state of steady shear at constant volume. The stress at the start is the measured one, so that the way to the steady
+/// state is short. Rows grow by a constant factor, so the last covers nearly half of the strain; where it still changes a
+/// stress by more than 2 % of the pressure, the shear goes on to four times the strain, twice at most. None if the driver
+/// fails.
+std::optional<Sheared> shear_until_steady(const MeasuredTest& test, const ShearedState& state, double void_ratio,
+                                          const AnyLaw& law, double precision, Prediction& prediction, bool& steady) {
   ElementTest element;
   element.law = law;
-  element.initial =
-      initial_state(law, state.void_ratio, SymTensor<double>::isotropic(std::max(state.normal_stress, 1e-9)));
+  element.initial = initial_state(law, void_ratio, SymTensor<double>::isotropic(std::max(state.normal_stress, 1e-9)));
   element.integration = {Integrator::return_mapping, precision};
-  element.tolerance = std::max(precision, 1e-4);
+  element.tolerance = precision;
   Sheared end{};
   double strain = test.steady_strain;
   for (int attempt = 0; attempt < 3; ++attempt, strain *= 4) {
@@ -212,30 +213,66 @@ Sheared shear_until_steady(const MeasuredTest& test, const ShearedState& state, 
     segment.duration = strain / state.shear_rate;
     segment.rows = 12;
     segment.first_row = 1e-3 * segment.duration;
-    segment.controls = simple_shear(test.drainage == TestDrainage::constant_normal_stress
-                                        ? ShearDrainage::constant_normal_stress
-                                        : ShearDrainage::undrained,
-                                    0, {0.5 * state.shear_rate, 0});
+    segment.controls = simple_shear(ShearDrainage::undrained, 0, {0.5 * state.shear_rate, 0});
     element.segments = {segment};
     const ElementResult result = run_element_test(element);
-    if (!result.failure.empty()) prediction.failure = result.failure;
+    if (!result.failure.empty()) {
+      prediction.failure = result.failure;
+      return std::nullopt;
+    }
     const ResultColumns columns(result);
     const auto at = [&](std::size_t from_end) {
       const Instant now{result.rows[result.rows.size() - 1 - from_end], columns};
-      return Sheared{now.p(), now.stress(3), {now.stress(0), now.stress(1), now.stress(2)},
-                     (1 + state.void_ratio) * std::exp(-now.volumetric()) - 1};
+      return Sheared{now.p(), now.stress(3), {now.stress(0), now.stress(1), now.stress(2)}, void_ratio};
     };
     end = at(0);
-    if (result.rows.size() < 2) break;
     const Sheared before = at(1);
-    const auto changed = [](double a, double b, double size) { return std::abs(a - b) > 0.02 * std::abs(size); };
-    if (!changed(end.p, before.p, end.p) && !changed(end.tau, before.tau, end.p) &&
-        !changed(end.void_ratio, before.void_ratio, 1))
-      return end;
-    if (!result.failure.empty()) break;
+    steady = std::abs(end.p - before.p) <= 0.02 * std::abs(end.p) &&
+             std::abs(end.tau - before.tau) <= 0.02 * std::abs(end.p);
+    if (steady) break;
   }
-  ++prediction.n_unsteady;
   return end;
+}
+
+/// Steady shear under a constant normal stress: the void ratio at which constant volume leads to that stress, by false
+/// position (Illinois) on its logarithm. The steady state is the same, and no stress has to be controlled on the way.
+std::optional<Sheared> shear_under_normal_stress(const MeasuredTest& test, const ShearedState& state, const AnyLaw& law,
+                                                 double precision, Prediction& prediction, bool& steady) {
+  std::optional<Sheared> found;
+  const auto excess = [&](double e) {
+    found = shear_until_steady(test, state, e, law, precision, prediction, steady);
+    return found ? std::log(std::max(found->normal[1], 1e-12 * state.normal_stress) / state.normal_stress) : no_value;
+  };
+  const std::optional<Range> range = void_ratios_of(law);
+  double a = state.void_ratio, f_a = excess(a);
+  if (!range) return found;
+  // Looser where the stress is too high, denser where it is too low.
+  double b = a, f_b = f_a;
+  for (int i = 0; i < 60 && f_b * f_a > 0; ++i) {
+    a = b;
+    f_a = f_b;
+    b = std::clamp(b + (f_a > 0 ? 0.04 : -0.04), std::max(0.02, range->low + 0.02), std::min(range->high - 0.02, 20.0));
+    if (b == a) break;
+    f_b = excess(b);
+  }
+  if (!(f_a * f_b <= 0)) {
+    prediction.failure = fmt::format("no void ratio carries a normal stress of {:.4g} Pa at a shear rate of {:.4g} 1/s",
+                                     state.normal_stress, state.shear_rate);
+    return std::nullopt;
+  }
+  for (int i = 0; i < 60 && std::abs(f_b) > 1e-5 && std::abs(b - a) > 1e-10; ++i) {
+    const double c = (a * f_b - b * f_a) / (f_b - f_a), f_c = excess(c);
+    if (!std::isfinite(f_c)) return std::nullopt;
+    if (f_c * f_b < 0) {
+      a = b;
+      f_a = f_b;
+    } else {
+      f_a *= 0.5;
+    }
+    b = c;
+    f_b = f_c;
+  }
+  return found;
 }
 
 double value_of(const std::string& name, const Sheared& s) {
@@ -257,9 +294,15 @@ Prediction predict_shear(const MeasuredTest& test, const AnyLaw& law, double pre
   Prediction prediction;
   prediction.values.assign(test.quantities.size(), std::vector<double>(test.n_rows(), no_value));
   for (std::size_t i = 0; i < test.states.size(); ++i) {
-    const Sheared end = shear_until_steady(test, test.states[i], law, precision, prediction);
-    for (std::size_t k = 0; k < test.quantities.size(); ++k)
-      prediction.values[k][i] = value_of(test.quantities[k].name, end);
+    bool steady = false;
+    const ShearedState& state = test.states[i];
+    const std::optional<Sheared> end =
+        test.drainage == TestDrainage::constant_normal_stress
+            ? shear_under_normal_stress(test, state, law, precision, prediction, steady)
+            : shear_until_steady(test, state, state.void_ratio, law, precision, prediction, steady);
+    prediction.n_unsteady += !steady;
+    for (std::size_t k = 0; k < test.quantities.size() && end; ++k)
+      prediction.values[k][i] = value_of(test.quantities[k].name, *end);
   }
   return prediction;
 }
@@ -342,8 +385,8 @@ std::vector<std::vector<double>> differences_of(const MeasuredTest& test, const 
     const MeasuredQuantity& quantity = test.quantities[k];
     std::vector<double>& of_quantity = all.emplace_back();
     for (std::size_t i = 0; i < quantity.values.size(); ++i) {
-      double off = 1;  // of a state that the law cannot carry
-      if (!prediction.impossible) {
+      double off = 1;  // of a state that the law cannot carry, and of rows that the driver did not reach
+      if (!prediction.impossible && std::isfinite(prediction.values[k][i])) {
         const double measured = quantity.values[i], computed = prediction.values[k][i];
         off = quantity.logarithmic ? std::log(std::max(computed / measured, least_share))
                                    : (computed - measured) / quantity.scale;

@@ -28,13 +28,14 @@ PathTest path_test(const MeasuredTest& test, const AnyLaw& law, double precision
 /// Values of the quantities of a test, [quantity][row], in the order and the measure of the measured ones.
 struct Prediction {
   std::vector<std::vector<double>> values;
-  std::string failure;  ///< empty, or why the driver ended before the last row; the last values go on from there
+  std::string failure;      ///< empty, or why the driver ended before the last row; values after it are NaN
   bool impossible = false;  ///< the law cannot carry the initial state: no values
   int n_unsteady = 0;       ///< states of grain shear that still changed by more than 2 % at the end
 };
 Prediction predict(const MeasuredTest& test, const AnyLaw& law, double precision);
 
-/// Differences between prediction and measurement over the scale, [quantity][row]; 1 where the law cannot carry the start.
+/// Differences between prediction and measurement over the scale, [quantity][row]; 1 where the law
+/// cannot carry the start, and in rows that the driver did not reach.
 std::vector<std::vector<double>> differences_of(const MeasuredTest& test, const Prediction& prediction);
 
 /// The same, one quantity after the other, each row times sqrt(weight/rows): their sum of squares is the sum of

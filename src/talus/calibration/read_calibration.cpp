@@ -84,7 +84,8 @@ constexpr Choice orders[] = {{"together", "all free parameters at once"},
 constexpr Option order_key{"order", "in which order parameters are found", orders};
 constexpr WholeNumber starts_key{{"starts", "1", Range::between(1, 1000), "number of starts of the search"}},
     seed_key{{"seed", "1", Range::between(0, 1000000000), "seed of the starts that are drawn"}},
-    evaluations_key{{"evaluations", "1", Range::between(1, 100000), "computations of all tests at most, for each start"}};
+    evaluations_key{
+        {"evaluations", "1", Range::between(1, 100000), "computations of all tests at most, for each start"}};
 constexpr Parameter tolerance_key{"tolerance", "1", Range::between(1e-9, 0.1),
                                   "relative decrease of the objective below which a search ends"},
     precision_key{"precision", "1", Range::between(1e-8, 1e-2), "relative error of the stress in a step of the driver"};
@@ -128,16 +129,18 @@ std::vector<FreeParameter> read_free(Section& root, const AnyLaw& law, const std
       if (!s.flag(free_flag(p), false)) continue;
       const std::optional<Range> bounds = default_bounds(p);
       if (!bounds) {
-        s.complain(p.key, fmt::format("has no default bounds; write {} = [{}, {}]", key,
-                                      p.unit == "1" ? "0.1" : example_of(p.unit), p.unit == "1" ? "1" : example_of(p.unit)));
+        s.complain(p.key,
+                   fmt::format("has no default bounds; write {} = [{}, {}]", key,
+                               p.unit == "1" ? "0.1" : example_of(p.unit), p.unit == "1" ? "1" : example_of(p.unit)));
         continue;
       }
       free.min = bounds->low;
       free.max = bounds->high;
     }
     if (!(free.min <= start && start <= free.max) && s.is_right())
-      s.complain(p.key, fmt::format("starts at {} in [material], outside of its bounds {} to {}", with_unit(start, p.unit),
-                                    with_unit(free.min, p.unit), with_unit(free.max, p.unit)));
+      s.complain(p.key, fmt::format("starts at {} in [material], outside of its bounds {} to {}",
+                                    rounded_with_unit(start, p.unit, 6), rounded_with_unit(free.min, p.unit, 6),
+                                    rounded_with_unit(free.max, p.unit, 6)));
     free.logarithmic = free.min > 0 && free.max >= 5 * free.min;
     all.push_back(free);
   }
@@ -172,7 +175,8 @@ std::vector<TiedParameter> read_tied(Section& root, AnyLaw& law) {
       if (!std::isfinite(v))
         s.complain(p.key, "has no finite value; a formula cannot contain parameters that are tied themselves");
       else if (!p.range.contains(v))
-        s.complain(p.key, fmt::format("makes {} = {}; it must be {}", p.key, with_unit(v, p.unit), in_words(p.range, p.unit)));
+        s.complain(p.key, fmt::format("makes {} = {}; it must be {}", p.key, rounded_with_unit(v, p.unit, 6),
+                                      in_words(p.range, p.unit)));
       values.emplace_back(tie.key, v);
     } catch (const std::runtime_error& e) {
       s.complain(p.key, fmt::format("is wrong: {}", e.what()));
@@ -258,9 +262,9 @@ Calibration understand(Document& document, const std::string& folder, std::strin
 }  // namespace
 
 const Declaration& calibration_declaration() {
-  static const Declaration d("a calibration", {required(title_key), required(material_table), required(free_table),
-                                               optional(tied_table), optional(stages_table), optional(search_table),
-                                               required(tests_table)});
+  static const Declaration d("a calibration",
+                             {required(title_key), required(material_table), required(free_table), optional(tied_table),
+                              optional(stages_table), optional(search_table), required(tests_table)});
   return d;
 }
 

@@ -39,7 +39,8 @@ constexpr ColumnKey column_keys[] = {
     {"stress_ratio", "1", of_triaxial | of_shear | of_grains, "q/p; of simple shear tau/sigma_n; of grain shear tau/p"},
     {"axial_stress", "Pa", of_triaxial | of_oedometer, "axial stress (effective)"},
     {"lateral_stress", "Pa", of_triaxial, "lateral stress (effective)"},
-    {"pore_pressure", "Pa", of_triaxial | of_shear, "excess pore pressure: the loss of lateral (normal) effective stress"},
+    {"pore_pressure", "Pa", of_triaxial | of_shear,
+     "excess pore pressure: the loss of lateral (normal) effective stress"},
     {"pressure", "Pa", of_isotropic, "isotropic pressure (effective)"},
     {"shear_stress", "Pa", of_shear | of_grains, "shear stress"},
     {"normal_stress", "Pa", of_shear | of_grains, "stress normal to the plane of shear (effective)"},
@@ -53,8 +54,7 @@ constexpr int bit_of(TestKind kind) { return 1 << int(kind); }
 const Declaration& columns_declaration() {
   static const Declaration d = [] {
     std::vector<Entry> all;
-    for (const ColumnKey& c : column_keys)
-      all.push_back(optional(Text{c.key, c.meaning}));
+    for (const ColumnKey& c : column_keys) all.push_back(optional(Text{c.key, c.meaning}));
     return Declaration("columns", std::move(all));
   }();
   return d;
@@ -123,8 +123,7 @@ struct Asked {
 
 bool is_identifier(const std::string& name) {
   return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-         std::all_of(name.begin(), name.end(),
-                     [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
 }
 
 /// The values of a formula, or of a column of just this name.
@@ -148,9 +147,9 @@ std::vector<double> values_of(const Asked& asked, const MeasuredTable& table) {
     } catch (const std::runtime_error& e) {
       const std::vector<std::string_view> names(table.names.begin(), table.names.end());
       const std::string_view alike = most_alike(asked.formula, names);
-      throw std::runtime_error(fmt::format(
-          "is neither a column of {} nor a formula of its columns ({}); {}", table.path, e.what(),
-          alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
+      throw std::runtime_error(
+          fmt::format("is neither a column of {} nor a formula of its columns ({}); {}", table.path, e.what(),
+                      alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
     }
   }
   for (double& v : values) v *= asked.factor;
@@ -194,9 +193,9 @@ std::optional<Asked> read_column(Section& columns, const ColumnKey& key, const M
   }
   const auto si = to_si("1 " + unit, key.unit);
   if (const auto* why = std::get_if<std::string>(&si)) {
-    columns.complain(key.key, fmt::format("has the unit `{}`, which is {}: {}", unit,
-                                          key.unit == "1" ? "no pure number; write \"%\" or leave it out" : *why,
-                                          key.meaning));
+    columns.complain(key.key,
+                     fmt::format("has the unit `{}`, which is {}: {}", unit,
+                                 key.unit == "1" ? "no pure number; write \"%\" or leave it out" : *why, key.meaning));
     return std::nullopt;
   }
   asked.factor = std::get<double>(si);
@@ -211,7 +210,8 @@ double default_weight(TestKind kind, TestDrainage drainage, std::string_view key
   switch (kind) {
     case TestKind::triaxial: {
       if (key == "q") return 1;
-      if (key == "stress_ratio" || key == "axial_stress") return !has("q") && (key == "stress_ratio" || !has("stress_ratio"));
+      if (key == "stress_ratio" || key == "axial_stress")
+        return !has("q") && (key == "stress_ratio" || !has("stress_ratio"));
       if (drainage == TestDrainage::undrained) return key == "p" || (key == "pore_pressure" && !has("p"));
       return volume;
     }
@@ -240,6 +240,7 @@ struct Request {
   std::optional<double> void_ratio, pressure, k0;
   double least_stress = 0, strain_rate = 1e-4, steady_strain = 10;
   std::string group;
+  std::map<std::string, double, std::less<>> ranges;  ///< of volumes in steady shear, over all tests of the entry
 
   bool has(std::string_view key) const {
     return std::any_of(columns.begin(), columns.end(), [&](const Asked& a) { return a.key->key == key; });
@@ -288,7 +289,8 @@ MeasuredColumns read_columns(const Request& request, const MeasuredTable& table)
   }
   const std::size_t n = columns.begin()->second.size(), least = request.kind == TestKind::grain_shear ? 1 : 3;
   if (n < least)
-    throw std::runtime_error(fmt::format("{} rows of {} are left for this test; it needs {} at least", n, table.path, least));
+    throw std::runtime_error(
+        fmt::format("{} rows of {} are left for this test; it needs {} at least", n, table.path, least));
   return columns;
 }
 
@@ -310,11 +312,13 @@ void set_start(const Request& request, const MeasuredColumns& columns, const Any
       test.axial_stress = axial ? *axial : *lateral + *q;
     } else {
       throw std::runtime_error(
-          "the stress at the start is unknown: give `pressure`, or the columns `q` and `p`, or `q` and `lateral_stress`");
+          "the stress at the start is unknown: give `pressure`, or the columns `q` and `p`, or `q` and "
+          "`lateral_stress`");
     }
   } else {
     const auto stress = first(test.kind == TestKind::simple_shear ? "normal_stress" : leading_key(request));
-    if (!stress) throw std::runtime_error("the stress at the start is unknown: give `pressure`, or the column `normal_stress`");
+    if (!stress)
+      throw std::runtime_error("the stress at the start is unknown: give `pressure`, or the column `normal_stress`");
     test.axial_stress = test.lateral_stress = *stress;
     if (test.kind != TestKind::isotropic_compression) {
       test.k0_of_law = !request.k0;
@@ -322,16 +326,17 @@ void set_start(const Request& request, const MeasuredColumns& columns, const Any
     }
   }
   if (!(test.axial_stress > 0 && test.lateral_stress > 0))
-    throw std::runtime_error(fmt::format("the stress at the start is not a pressure: axial {:.4g} Pa, lateral {:.4g} Pa",
-                                         test.axial_stress, test.lateral_stress));
+    throw std::runtime_error(
+        fmt::format("the stress at the start is not a pressure: axial {:.4g} Pa, lateral {:.4g} Pa", test.axial_stress,
+                    test.lateral_stress));
   const std::optional<Range> range = void_ratios_of(law);
   const auto e = request.void_ratio ? request.void_ratio : first("void_ratio");
   if (e) test.void_ratio = *e;
   if (!range) return;
   if (!e) throw std::runtime_error("the void ratio at the start is unknown: give `void_ratio`, or a column of it");
   if (!range->contains(*e))
-    throw std::runtime_error(fmt::format("the void ratio at the start is {:.4g}; law `{}` needs one {}", *e, name_of(law),
-                                         in_words(*range, "1")));
+    throw std::runtime_error(fmt::format("the void ratio at the start is {:.4g}; law `{}` needs one {}", *e,
+                                         name_of(law), in_words(*range, "1")));
 }
 
 void set_states(const Request& request, const MeasuredColumns& columns, const AnyLaw& law, MeasuredTest& test) {
@@ -348,13 +353,15 @@ void set_states(const Request& request, const MeasuredColumns& columns, const An
     if (!std::isfinite(s.void_ratio)) s.void_ratio = request.void_ratio.value_or(0);
     // At constant volume any pressure leads to the steady state; the measured one is near.
     s.normal_stress = test.drainage == TestDrainage::constant_normal_stress ? at("normal_stress", i) : at("p", i);
-    if (!std::isfinite(s.normal_stress)) s.normal_stress = std::isfinite(at("normal_stress", i)) ? at("normal_stress", i) : 1e3;
+    if (!std::isfinite(s.normal_stress))
+      s.normal_stress = std::isfinite(at("normal_stress", i)) ? at("normal_stress", i) : 1e3;
     if (!(s.shear_rate > 0 && s.normal_stress > 0))
-      throw std::runtime_error(fmt::format("row {} of the test has a shear rate of {:.4g} 1/s and a stress of {:.4g} Pa; both must be positive",
-                                           i + 1, s.shear_rate, s.normal_stress));
+      throw std::runtime_error(fmt::format(
+          "row {} of the test has a shear rate of {:.4g} 1/s and a stress of {:.4g} Pa; both must be positive", i + 1,
+          s.shear_rate, s.normal_stress));
     if (range && !range->contains(s.void_ratio))
-      throw std::runtime_error(fmt::format("row {} of the test has a void ratio of {:.4g}; law `{}` needs one {}", i + 1,
-                                           s.void_ratio, name_of(law), in_words(*range, "1")));
+      throw std::runtime_error(fmt::format("row {} of the test has a void ratio of {:.4g}; law `{}` needs one {}",
+                                           i + 1, s.void_ratio, name_of(law), in_words(*range, "1")));
     test.states.push_back(s);
   }
 }
@@ -381,16 +388,18 @@ void set_quantities(const Request& request, MeasuredColumns columns, MeasuredTes
       continue;
     MeasuredQuantity quantity{std::string(key.key), std::string(key.unit), found->second, 1, 1, false};
     const auto weight = request.weights.find(key.key);
-    quantity.weight = weight != request.weights.end() ? weight->second
-                                                      : default_weight(test.kind, test.drainage, key.key, there);
+    quantity.weight =
+        weight != request.weights.end() ? weight->second : default_weight(test.kind, test.drainage, key.key, there);
     const auto [low, high] = std::minmax_element(quantity.values.begin(), quantity.values.end());
     const bool by_range = key.key == "void_ratio" || key.key == "solid_fraction";
-    quantity.scale = by_range && test.n_rows() > 1 ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    quantity.scale = by_range ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    if (const auto range = request.ranges.find(key.key); range != request.ranges.end()) quantity.scale = range->second;
     quantity.logarithmic = test.kind == TestKind::grain_shear && key.unit == "Pa";
-    if (quantity.logarithmic && !(*low > 0)) throw std::runtime_error(fmt::format("`{}` must be positive in every row", key.key));
+    if (quantity.logarithmic && !(*low > 0))
+      throw std::runtime_error(fmt::format("`{}` must be positive in every row", key.key));
     if (quantity.logarithmic) quantity.scale = 1;
     if (!(quantity.scale > 0)) {
-      if (weight != request.weights.end() && weight->second > 0)
+      if (quantity.weight > 0)
         throw std::runtime_error(fmt::format("`{}` is the same in every row: nothing to fit", key.key));
       continue;  // nothing to compare
     }
@@ -419,7 +428,8 @@ MeasuredTest make_test(const Request& request, const MeasuredTable& table, const
     const auto [low, high] = std::minmax_element(test.leading.begin(), test.leading.end());
     if (*low == *high) throw std::runtime_error(fmt::format("`{}` is the same in every row", leading_key(request)));
     if (request.nominal && test.kind == TestKind::triaxial && *high - test.leading.front() >= 0.95)
-      throw std::runtime_error(fmt::format("the axial strain reaches {:.4g}; is it in percent? Write \"COLUMN [%]\"", *high));
+      throw std::runtime_error(
+          fmt::format("the axial strain reaches {:.4g}; is it in percent? Write \"COLUMN [%]\"", *high));
     set_start(request, columns, law, test);
   }
   set_quantities(request, columns, test);
@@ -468,18 +478,28 @@ const Declaration& measured_test_declaration() {
   static const Declaration d = [] {
     const std::string paths_only[] = {"triaxial", "oedometer", "isotropic_compression", "simple_shear"};
     const std::vector<std::string> paths(std::begin(paths_only), std::end(paths_only));
-    return Declaration(
-        "a measured test",
-        {required(kind_key), optional(name_key), optional(group_key), required(file_key), optional(where_key),
-         optional(is_key), optional(each_key), optional(skip_key), required(columns_table), optional(weights_table),
-         depends(strains_key).with("kind", paths), required(triaxial_drainage).with("kind", {"triaxial"}),
-         required(shear_drainage).with("kind", {"simple_shear"}),
-         optional(grain_drainage).with("kind", {"grain_shear"}), optional(void_ratio_key),
-         optional(pressure_key).with("kind", {"triaxial", "simple_shear"}),
-         optional(k0_key).with("kind", {"oedometer", "simple_shear"}),
-         optional(least_stress_key).with("kind", {"oedometer", "isotropic_compression"}),
-         optional(strain_rate_key).with("kind", {"triaxial", "simple_shear"}),
-         optional(steady_strain_key).with("kind", {"grain_shear"}), optional(scales_table).with("kind", {"grain_shear"})});
+    return Declaration("a measured test",
+                       {required(kind_key),
+                        optional(name_key),
+                        optional(group_key),
+                        required(file_key),
+                        optional(where_key),
+                        optional(is_key),
+                        optional(each_key),
+                        optional(skip_key),
+                        required(columns_table),
+                        optional(weights_table),
+                        depends(strains_key).with("kind", paths),
+                        required(triaxial_drainage).with("kind", {"triaxial"}),
+                        required(shear_drainage).with("kind", {"simple_shear"}),
+                        optional(grain_drainage).with("kind", {"grain_shear"}),
+                        optional(void_ratio_key),
+                        optional(pressure_key).with("kind", {"triaxial", "simple_shear"}),
+                        optional(k0_key).with("kind", {"oedometer", "simple_shear"}),
+                        optional(least_stress_key).with("kind", {"oedometer", "isotropic_compression"}),
+                        optional(strain_rate_key).with("kind", {"triaxial", "simple_shear"}),
+                        optional(steady_strain_key).with("kind", {"grain_shear"}),
+                        optional(scales_table).with("kind", {"grain_shear"})});
   }();
   return d;
 }
@@ -504,7 +524,8 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
   switch (request.kind) {
     case TestKind::triaxial: request.drainage = TestDrainage(s.required_choice(triaxial_drainage)); break;
     case TestKind::simple_shear:
-      request.drainage = s.required_choice(shear_drainage) == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
+      request.drainage =
+          s.required_choice(shear_drainage) == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
       break;
     case TestKind::grain_shear:
       request.drainage = s.choice(grain_drainage) == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
@@ -551,8 +572,7 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
       if (!(key.kinds & kind)) continue;
       if (const auto w = weights.optional_number(weight_of(key))) {
         request.weights[std::string(key.key)] = *w;
-        if (!request.has(key.key) && !derived)
-          weights.complain(key.key, "has no column: name it in `columns`");
+        if (!request.has(key.key) && !derived) weights.complain(key.key, "has no column: name it in `columns`");
       }
     }
     weights.close(fmt::format("the weights of {} test", test_kind_choices[int(request.kind)].word));
@@ -561,8 +581,9 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
     if (column.empty() || !table || table->column(column) >= 0) return true;
     const std::vector<std::string_view> names(table->names.begin(), table->names.end());
     const std::string_view alike = most_alike(column, names);
-    s.complain(key, fmt::format("is no column of {}; {}", table->path,
-                                alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
+    s.complain(key,
+               fmt::format("is no column of {}; {}", table->path,
+                           alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
     return false;
   };
   const bool columns_known = expect_column("where", where) & expect_column("each", each);
@@ -574,9 +595,11 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
   MeasuredTable chosen = where.empty() ? *table : table->where(table->column(where), is);
   if (chosen.cells.empty()) {
     const auto known = table->values_of(table->column(where));
-    s.complain("is", fmt::format("is not in column `{}` of {}; there is {}{}", where, table->path,
-                                 any_of({known.begin(), known.begin() + std::ptrdiff_t(std::min<std::size_t>(known.size(), 12))}),
-                                 known.size() > 12 ? " ..." : ""));
+    s.complain(
+        "is",
+        fmt::format("is not in column `{}` of {}; there is {}{}", where, table->path,
+                    any_of({known.begin(), known.begin() + std::ptrdiff_t(std::min<std::size_t>(known.size(), 12))}),
+                    known.size() > 12 ? " ..." : ""));
     return tests;
   }
   const auto add = [&](const MeasuredTable& rows, std::string called) {
@@ -591,6 +614,17 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
       s.complain(fmt::format("test `{}`: {}", called, e.what()));
     }
   };
+  if (request.kind == TestKind::grain_shear)
+    for (const char* key : {"void_ratio", "solid_fraction"}) {
+      if (!request.has(key)) continue;
+      try {
+        const std::vector<double> values = read_columns(request, chosen)[key];
+        const auto [low, high] = std::minmax_element(values.begin(), values.end());
+        request.ranges[key] = *high > *low ? *high - *low : *high;
+      } catch (const std::runtime_error&) {
+        // said of the test that holds the row
+      }
+    }
   const std::string own = !name.empty() ? name : is.empty() ? std::filesystem::path(table->path).stem().string() : is;
   if (each.empty()) {
     add(chosen, own);

@@ -41,9 +41,7 @@ int tied_index(const Calibration& c, std::string_view key) {
   return -1;
 }
 
-std::string csv_cell(const std::string& text) {
-  return text.find(',') == text.npos ? text : "\"" + text + "\"";
-}
+std::string csv_cell(const std::string& text) { return text.find(',') == text.npos ? text : "\"" + text + "\""; }
 
 std::string misfits_csv(const Calibration& c, const CalibrationResult& r) {
   std::string csv = "test,group,kind,quantity,weight,scale,unit,misfit_start,misfit_fitted,misfit_left_out\n";
@@ -57,8 +55,8 @@ std::string misfits_csv(const Calibration& c, const CalibrationResult& r) {
       const MeasuredQuantity& q = test.quantities[k];
       csv += fmt::format("{},{},{},{},{:g},{:.6g},{},{:.6g},{:.6g},{:.6g}\n", csv_cell(test.name), csv_cell(test.group),
                          test_kind_choices[int(test.kind)].word, q.name, q.weight, q.scale,
-                         q.logarithmic ? "logarithm" : q.unit, r.tests[t].misfits_start[k], r.tests[t].misfits_fitted[k],
-                         without);
+                         q.logarithmic ? "logarithm" : q.unit, r.tests[t].misfits_start[k],
+                         r.tests[t].misfits_fitted[k], without);
     }
   }
   return csv;
@@ -94,10 +92,13 @@ std::string parameters_csv(const Calibration& c, const CalibrationResult& r) {
   std::string csv = "parameter,unit,start,value,standard_error,jackknife_error,min,max,at_bound\n";
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const ParameterEstimate& e = r.statistics.parameters[i];
-    csv += fmt::format("{},{},{:.8g},{:.8g},{:.4g},{:.4g},{:.8g},{:.8g},{}\n", c.free[i].key, c.free[i].unit,
-                       c.free[i].start, e.value, e.standard_error,
-                       r.jackknife.size() > 0 ? r.jackknife[Eigen::Index(i)] : std::nan(""), c.free[i].min, c.free[i].max,
-                       e.at_min ? "min" : e.at_max ? "max" : "");
+    csv +=
+        fmt::format("{},{},{:.8g},{:.8g},{:.4g},{:.4g},{:.8g},{:.8g},{}\n", c.free[i].key, c.free[i].unit,
+                    c.free[i].start, e.value, e.standard_error,
+                    r.jackknife.size() > 0 ? r.jackknife[Eigen::Index(i)] : std::nan(""), c.free[i].min, c.free[i].max,
+                    e.at_min   ? "min"
+                    : e.at_max ? "max"
+                               : "");
   }
   return csv;
 }
@@ -106,7 +107,8 @@ std::string parameters_csv(const Calibration& c, const CalibrationResult& r) {
 
 std::string material_block(const Calibration& c, const CalibrationResult& r) {
   std::string text = fmt::format(
-      "# {}\n# calibrated with talus {} from {} tests; root mean square misfit {:.3g} (start: {:.3g})\n[material.NAME]\nlaw = \"{}\"\n",
+      "# {}\n# calibrated with talus {} from {} tests; root mean square misfit {:.3g} (start: "
+      "{:.3g})\n[material.NAME]\nlaw = \"{}\"\n",
       c.title, version(), c.tests.size(), std::sqrt(r.objective), std::sqrt(r.objective_start), name_of(r.law));
   for (const auto& [p, value] : parameters_of(r.law)) {
     std::string why = "fixed";
@@ -114,7 +116,7 @@ std::string material_block(const Calibration& c, const CalibrationResult& r) {
       const ParameterEstimate& e = r.statistics.parameters[std::size_t(i)];
       why = e.at_min || e.at_max ? fmt::format("at its {} bound", e.at_min ? "lower" : "upper")
             : !e.informed        ? "not identifiable: no test depends on it"
-                                 : fmt::format("standard error {}", with_unit(std::stod(fmt::format("{:.2g}", e.standard_error)), p.unit));
+                                 : fmt::format("standard error {}", rounded_with_unit(e.standard_error, p.unit, 2));
       for (const auto& group : r.statistics.inseparable)
         if (std::find(group.begin(), group.end(), i) != group.end()) {
           std::vector<std::string> others;
@@ -133,10 +135,12 @@ std::string material_block(const Calibration& c, const CalibrationResult& r) {
 
 std::string user_material(const Calibration& c, const CalibrationResult& r) {
   const std::vector<NamedValue> all = parameters_of(r.law);
-  std::string text = fmt::format("** {}\n** law `{}` of talus {}; SI units, angles in rad\n** constants in this order:\n",
-                                 c.title, name_of(r.law), version());
+  std::string text =
+      fmt::format("** {}\n** law `{}` of talus {}; SI units, angles in rad\n** constants in this order:\n", c.title,
+                  name_of(r.law), version());
   for (std::size_t i = 0; i < all.size(); ++i)
-    text += fmt::format("** {:>3} {:<8} [{}] {}\n", i + 1, all[i].parameter.key, all[i].parameter.unit, all[i].parameter.meaning);
+    text += fmt::format("** {:>3} {:<8} [{}] {}\n", i + 1, all[i].parameter.key, all[i].parameter.unit,
+                        all[i].parameter.meaning);
   for (const auto& [key, word] : options_of(r.law)) text += fmt::format("** option {} = \"{}\"\n", key, word);
   text += fmt::format("*USER MATERIAL, CONSTANTS={}\n", all.size());
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -163,16 +167,19 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const FreeParameter& p = c.free[i];
     const ParameterEstimate& e = r.statistics.parameters[i];
-    json["parameters"].push_back({{"key", p.key},
-                                  {"unit", p.unit},
-                                  {"value", e.value},
-                                  {"standard_error", json_or_null(e.standard_error)},
-                                  {"jackknife_error", r.jackknife.size() > 0 ? json_or_null(r.jackknife[Eigen::Index(i)]) : Json()},
-                                  {"start", p.start},
-                                  {"min", p.min},
-                                  {"max", p.max},
-                                  {"at_bound", e.at_min ? "min" : e.at_max ? "max" : ""},
-                                  {"informed", e.informed}});
+    json["parameters"].push_back(
+        {{"key", p.key},
+         {"unit", p.unit},
+         {"value", e.value},
+         {"standard_error", json_or_null(e.standard_error)},
+         {"jackknife_error", r.jackknife.size() > 0 ? json_or_null(r.jackknife[Eigen::Index(i)]) : Json()},
+         {"start", p.start},
+         {"min", p.min},
+         {"max", p.max},
+         {"at_bound", e.at_min   ? "min"
+                      : e.at_max ? "max"
+                                 : ""},
+         {"informed", e.informed}});
   }
   json["tied"] = Json::array();
   for (std::size_t i = 0; i < c.tied.size(); ++i)
@@ -180,7 +187,8 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
                             {"formula", c.tied[i].formula},
                             {"value", r.statistics.tied_values[i]},
                             {"standard_error", json_or_null(r.statistics.tied_errors[i])}});
-  for (const NamedValue& v : parameters_of(r.law)) json["props"].push_back({{"key", v.parameter.key}, {"value", v.value}});
+  for (const NamedValue& v : parameters_of(r.law))
+    json["props"].push_back({{"key", v.parameter.key}, {"value", v.value}});
   json["correlation"] = Json::array();
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     Json row = Json::array();
@@ -203,8 +211,10 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
   }
   for (const FinishedStart& s : r.starts) {
     Json values = Json::object();
-    for (std::size_t i = 0; i < c.free.size(); ++i) values[c.free[i].key] = from_coordinate(c.free[i], s.x[Eigen::Index(i)]);
-    json["starts"].push_back({{"misfit", std::sqrt(s.objective)}, {"evaluations", s.evaluations}, {"parameters", values}});
+    for (std::size_t i = 0; i < c.free.size(); ++i)
+      values[c.free[i].key] = from_coordinate(c.free[i], s.x[Eigen::Index(i)]);
+    json["starts"].push_back(
+        {{"misfit", std::sqrt(s.objective)}, {"evaluations", s.evaluations}, {"parameters", values}});
   }
   for (std::size_t t = 0; t < c.tests.size(); ++t) {
     Json quantities = Json::object();
@@ -250,20 +260,22 @@ std::vector<MeanMisfit> mean_misfits(const Calibration& c, const CalibrationResu
 }
 
 std::string result_in_words(const Calibration& c, const CalibrationResult& r) {
-  std::string text = fmt::format("{:<10} {:>14} {:>14} {:>14}  {}\n", "parameter", "start", "value", "std. error", "bounds");
-  const auto rounded = [](double x, std::string_view unit, int digits) {
-    return std::isfinite(x) ? with_unit(std::stod(fmt::format("{:.{}g}", x, digits)), unit) : std::string("-");
-  };
+  std::string text =
+      fmt::format("{:<10} {:>14} {:>14} {:>14}  {}\n", "parameter", "start", "value", "std. error", "bounds");
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const FreeParameter& p = c.free[i];
     const ParameterEstimate& e = r.statistics.parameters[i];
-    text += fmt::format("{:<10} {:>14} {:>14} {:>14}  {} to {}{}\n", p.key, rounded(p.start, p.unit, 5),
-                        rounded(e.value, p.unit, 5), rounded(e.standard_error, p.unit, 2), rounded(p.min, p.unit, 4),
-                        rounded(p.max, p.unit, 4), e.at_min ? "  AT THE LOWER BOUND" : e.at_max ? "  AT THE UPPER BOUND" : "");
+    text += fmt::format("{:<10} {:>14} {:>14} {:>14}  {} to {}{}\n", p.key, rounded_with_unit(p.start, p.unit, 5),
+                        rounded_with_unit(e.value, p.unit, 5), rounded_with_unit(e.standard_error, p.unit, 2),
+                        rounded_with_unit(p.min, p.unit, 4), rounded_with_unit(p.max, p.unit, 4),
+                        e.at_min   ? "  AT THE LOWER BOUND"
+                        : e.at_max ? "  AT THE UPPER BOUND"
+                                   : "");
   }
   for (std::size_t i = 0; i < c.tied.size(); ++i)
-    text += fmt::format("{:<10} {:>14} {:>14} {:>14}  = {}\n", c.tied[i].key, "", rounded(r.statistics.tied_values[i], c.tied[i].unit, 5),
-                        rounded(r.statistics.tied_errors[i], c.tied[i].unit, 2), c.tied[i].formula);
+    text += fmt::format("{:<10} {:>14} {:>14} {:>14}  = {}\n", c.tied[i].key, "",
+                        rounded_with_unit(r.statistics.tied_values[i], c.tied[i].unit, 5),
+                        rounded_with_unit(r.statistics.tied_errors[i], c.tied[i].unit, 2), c.tied[i].formula);
   text += fmt::format("\n{:<24} {:<22} {:>6} {:>10} {:>10}\n", "mean misfit", "quantity", "tests", "start", "fitted");
   for (const MeanMisfit& m : mean_misfits(c, r))
     text += fmt::format("{:<24} {:<22} {:>6} {:>10.3f} {:>10.3f}{}\n", m.kind, m.quantity, m.n_tests, m.start, m.fitted,
@@ -276,7 +288,8 @@ std::string result_in_words(const Calibration& c, const CalibrationResult& r) {
         with += l.misfits_with[i];
         without += l.misfits_without[i];
       }
-    text += fmt::format("\npredicted without itself: mean misfit of a test {:.3f}; fitted: {:.3f}\n", without / n, with / n);
+    text += fmt::format("\npredicted without itself: mean misfit of a test {:.3f}; fitted: {:.3f}\n", without / n,
+                        with / n);
   }
   if (!r.findings.empty()) text += "\n";
   for (const std::string& finding : r.findings) text += "- " + finding + "\n";

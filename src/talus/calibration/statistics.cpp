@@ -16,8 +16,6 @@ namespace talus {
 namespace {
 
 constexpr double undetermined = std::numeric_limits<double>::quiet_NaN();
-/// Change of the misfit over the whole range of a parameter below which no test depends on it.
-constexpr double no_influence = 1e-4;
 /// Eigenvalue of the scaled J^T J below which a combination of parameters is not determined.
 constexpr double flat = 0.01;
 
@@ -185,8 +183,7 @@ Statistics statistics_at(const Calibration& calibration, const Vector& x, const 
     }
   }
   s.tied_errors.resize(calibration.tied.size(), undetermined);
-  for (const TiedParameter& tie : calibration.tied)
-    s.tied_values.push_back(value_of_tie(tie, law_at(calibration, x)));
+  for (const TiedParameter& tie : calibration.tied) s.tied_values.push_back(value_of_tie(tie, law_at(calibration, x)));
   return s;
 }
 
@@ -196,12 +193,13 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
     const FreeParameter& free = calibration.free[p];
     const ParameterEstimate& e = s.parameters[p];
     if (e.at_min || e.at_max)
-      all.push_back(fmt::format("{} is at its {} bound, {}: the tests would move it further. It has no standard error. Check "
-                                "whether the bound is physical, or fix the parameter from another source.",
-                                free.key, e.at_min ? "lower" : "upper", with_unit(e.value, free.unit)));
+      all.push_back(
+          fmt::format("{} is at its {} bound, {}: the tests would move it further. It has no standard error. Check "
+                      "whether the bound is physical, or fix the parameter from another source.",
+                      free.key, e.at_min ? "lower" : "upper", rounded_with_unit(e.value, free.unit, 4)));
     if (!e.informed)
-      all.push_back(fmt::format("{} is not identifiable: no test depends on it ({}). Its value is the start value.", free.key,
-                                free.meaning));
+      all.push_back(fmt::format("{} is not identifiable: no test depends on it ({}). Its value is the start value.",
+                                free.key, free.meaning));
   }
   for (const std::vector<int>& group : s.inseparable) {
     double least = 1, most = 0;
@@ -211,21 +209,35 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
           least = std::min(least, std::abs(s.correlation(a, b)));
           most = std::max(most, std::abs(s.correlation(a, b)));
         }
-    const std::string how = group.size() == 2 ? fmt::format("their correlation is {:.2f}", s.correlation(group[0], group[1]))
-                                              : fmt::format("correlations up to {:.2f}", most);
-    all.push_back(fmt::format("{} are not identifiable one by one from these tests: {}. A change of one can be made up for by "
-                              "the others. Fix one of them from another source, or use the {} together only.",
-                              list_of(calibration, group), how, group.size() == 2 ? "two" : "set"));
+    const std::string how = group.size() == 2
+                                ? fmt::format("their correlation is {:.2f}", s.correlation(group[0], group[1]))
+                                : fmt::format("correlations up to {:.3f}", most);
+    all.push_back(
+        fmt::format("{} are not identifiable one by one from these tests: {}. A change of one can be made up for by "
+                    "the others. Fix one of them from another source, or use the {} together only.",
+                    list_of(calibration, group), how, group.size() == 2 ? "two" : "set"));
   }
+  for (std::size_t i = 0; i < s.interior.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const int a = s.interior[j], b = s.interior[i];
+      const double rho = s.correlation(a, b);
+      if (std::abs(rho) < closely_correlated || std::abs(rho) > too_correlated) continue;
+      all.push_back(
+          fmt::format("{} and {} are closely correlated ({:.2f}): an error of one is made up for by the other in these "
+                      "tests; change them together only.",
+                      calibration.free[std::size_t(a)].key, calibration.free[std::size_t(b)].key, rho));
+    }
   for (std::size_t p = 0; p < s.parameters.size(); ++p)
     if (s.parameters[p].weak) {
       const FreeParameter& free = calibration.free[p];
-      all.push_back(fmt::format("{} is hardly determined: two standard errors reach over more than half of its bounds ({} to {}).",
-                                free.key, with_unit(free.min, free.unit), with_unit(free.max, free.unit)));
+      all.push_back(fmt::format(
+          "{} is hardly determined: two standard errors reach over more than half of its bounds ({} to {}).", free.key,
+          rounded_with_unit(free.min, free.unit, 4), rounded_with_unit(free.max, free.unit, 4)));
     }
   if (s.independent_data < 3 * double(s.interior.size()))
-    all.push_back(fmt::format("The tests hold some {:.0f} independent numbers for {} parameters: standard errors are rough.",
-                              s.independent_data, s.interior.size()));
+    all.push_back(
+        fmt::format("The tests hold some {:.0f} independent numbers for {} parameters: standard errors are rough.",
+                    s.independent_data, s.interior.size()));
   return all;
 }
 
@@ -335,8 +347,9 @@ std::vector<Candidate> candidates_for(const Calibration& calibration) {
     }
     for (auto& [name, unit] : quantities)
       test.quantities.push_back({name, unit, std::vector<double>(test.leading.size(), 0), 1, 1, false});
-    all.push_back({fmt::format("{} from {}{}", words, with_unit(p, "Pa"), counts_voids ? fmt::format(", e = {:.3g}", e) : ""),
-                   std::move(test)});
+    all.push_back(
+        {fmt::format("{} from {}{}", words, with_unit(p, "Pa"), counts_voids ? fmt::format(", e = {:.3g}", e) : ""),
+         std::move(test)});
   };
   for (double e : void_ratios)
     for (double p : {20e3, 100e3, 500e3, 2e6}) {
@@ -395,9 +408,8 @@ std::vector<Suggestion> suggest_tests(Residuals& residuals, const Vector& x, con
   const Calibration& calibration = residuals.calibration();
   std::vector<std::vector<int>> wanted = s.inseparable;
   for (int p : s.interior) {
-    const bool in_group = std::any_of(wanted.begin(), wanted.end(), [&](const auto& g) {
-      return std::find(g.begin(), g.end(), p) != g.end();
-    });
+    const bool in_group = std::any_of(wanted.begin(), wanted.end(),
+                                      [&](const auto& g) { return std::find(g.begin(), g.end(), p) != g.end(); });
     if (s.parameters[std::size_t(p)].weak && !in_group) wanted.push_back({p});
   }
   std::vector<Suggestion> all;

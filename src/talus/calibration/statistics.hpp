@@ -10,6 +10,8 @@ namespace talus {
 
 /// Correlation above which two parameters cannot be told apart.
 inline constexpr double too_correlated = 0.95;
+/// Correlation above which two parameters are said to be close.
+inline constexpr double closely_correlated = 0.9;
 
 struct ParameterEstimate {
   double value = 0;
@@ -47,8 +49,8 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
 
 struct LeftOut {
   std::string group;
-  Vector x;                  ///< fitted to the other tests
-  std::vector<int> tests;    ///< of the group
+  Vector x;                                           ///< fitted to the other tests
+  std::vector<int> tests;                             ///< of the group
   std::vector<double> misfits_with, misfits_without;  ///< rms over the quantities of each of them
 };
 /// Fits the other tests anew from `x`, by two Gauss-Newton steps with the Jacobian at `x`, and predicts the group.
