@@ -29,9 +29,10 @@ fs::path folder_of(const CalibrateOptions& options) {
 void expect_room(const fs::path& folder, const CalibrateOptions& options) {
   if (options.overwrite || options.resume) return;
   if (fs::exists(folder / "state.json"))
-    throw InputError(fmt::format("{} holds a calibration already; go on with it: --resume; begin anew: --overwrite; or give "
-                                 "another folder with --out",
-                                 folder.string()));
+    throw InputError(
+        fmt::format("{} holds a calibration already; go on with it: --resume; begin anew: --overwrite; or give "
+                    "another folder with --out",
+                    folder.string()));
   if (fs::exists(folder / "index.html") || fs::exists(folder / "case.toml"))
     throw InputError(fmt::format("{} holds other results; give another folder with --out", folder.string()));
 }
@@ -40,8 +41,8 @@ void print_plan(const Calibration& c, int threads) {
   long rows = 0;
   for (const MeasuredTest& test : c.tests) rows += long(test.n_rows());
   const Price price = price_of(c);
-  fmt::print(stderr, "{}: law {}, {} free parameters, {} tests, {} measured rows; {} thread{}\n", c.title, name_of(c.law),
-             c.free.size(), c.tests.size(), rows, threads, threads == 1 ? "" : "s");
+  fmt::print(stderr, "{}: law {}, {} free parameters, {} tests, {} measured rows; {} thread{}\n", c.title,
+             name_of(c.law), c.free.size(), c.tests.size(), rows, threads, threads == 1 ? "" : "s");
   fmt::print(stderr, "about {} computations of all tests: {} to search from {} start{}, {} to leave out each test\n",
              price.of_searches + price.of_leave_one_out, price.of_searches, c.settings.starts,
              c.settings.starts == 1 ? "" : "s", price.of_leave_one_out);
@@ -67,8 +68,8 @@ int calibrate_law(const CalibrateOptions& options) {
   const bool live = isatty(STDERR_FILENO);
   CalibrationObserver observer;
   observer.progress = [&](const std::string& where, double misfit, long evaluations, double left) {
-    fmt::print(stderr, "{}{}: misfit {:.5f}, {} computations, {} left{}", live ? "\r\033[K" : "", where, misfit, evaluations,
-               duration_in_words(left), live ? "" : "\n");
+    fmt::print(stderr, "{}{}: misfit {:.5f}, {} computations, {} left{}", live ? "\r\033[K" : "", where, misfit,
+               evaluations, duration_in_words(left), live ? "" : "\n");
     std::fflush(stderr);
   };
   observer.save = [&](const CalibrationState& s) { write_state(state_file, s); };
@@ -83,7 +84,8 @@ int calibrate_law(const CalibrateOptions& options) {
   fmt::print("{}", result_in_words(calibration, *result));
   fmt::print("\n{} computations of all tests in {:.1f} s\n", result->evaluations, result->seconds);
   if (!drawn) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
-  fmt::print("material: {}\npage:     {}\n", (folder / "material.toml").string(), fs::absolute(folder / "index.html").string());
+  fmt::print("material: {}\npage:     {}\n", (folder / "material.toml").string(),
+             fs::absolute(folder / "index.html").string());
   return 0;
 }
 

@@ -94,15 +94,17 @@ MeasuredTable read_measured_table(const std::string& path) {
     if (table.names.empty()) {
       if (cells.size() == 1 && cells[0].find(';') != std::string::npos)
         throw std::runtime_error(fmt::format("{}:{}: columns are separated by `;`; write commas", path, at));
-      const bool is_header = std::none_of(cells.begin(), cells.end(), [](const auto& c) { return number_in(c) == number_in(c); });
+      const bool is_header =
+          std::none_of(cells.begin(), cells.end(), [](const auto& c) { return number_in(c) == number_in(c); });
       if (is_header) {
         table.names = cells;
       } else {
         const auto header = std::find_if(comments.rbegin(), comments.rend(),
                                          [&](const auto& c) { return c.size() == cells.size() && c.size() > 1; });
         if (header == comments.rend())
-          throw std::runtime_error(fmt::format(
-              "{}:{}: numbers without a header; write the names of the {} columns in a line before", path, at, cells.size()));
+          throw std::runtime_error(
+              fmt::format("{}:{}: numbers without a header; write the names of the {} columns in a line before", path,
+                          at, cells.size()));
         table.names = *header;
       }
       for (auto name = table.names.begin(); name != table.names.end(); ++name)
@@ -111,7 +113,8 @@ MeasuredTable read_measured_table(const std::string& path) {
       if (is_header) continue;
     }
     if (cells.size() != table.names.size())
-      throw std::runtime_error(fmt::format("{}:{}: {} cells, but {} columns", path, at, cells.size(), table.names.size()));
+      throw std::runtime_error(
+          fmt::format("{}:{}: {} cells, but {} columns", path, at, cells.size(), table.names.size()));
     table.cells.push_back(std::move(cells));
     table.lines.push_back(at);
   }

@@ -89,12 +89,12 @@ struct TiedParameter {
 };
 
 struct CalibrationSettings {
-  bool by_stages = false;    ///< stage by stage before all parameters together
-  int starts = 1;            ///< the first is the material's values, the others are drawn
-  int seed = 1;              ///< of the drawn starts
-  int evaluations = 400;     ///< at most, for each start
-  double tolerance = 1e-3;   ///< relative decrease of the objective below which the search ends
-  double precision = 1e-4;   ///< relative error of the stress in a step of the element driver
+  bool by_stages = false;   ///< stage by stage before all parameters together
+  int starts = 1;           ///< the first is the material's values, the others are drawn
+  int seed = 1;             ///< of the drawn starts
+  int evaluations = 400;    ///< at most, for each start
+  double tolerance = 1e-3;  ///< relative decrease of the objective below which the search ends
+  double precision = 1e-4;  ///< relative error of the stress in a step of the element driver
   bool leave_one_out = true;
   bool suggest_tests = true;
 };
@@ -106,7 +106,7 @@ struct Calibration {
   std::vector<TiedParameter> tied;
   std::vector<MeasuredTest> tests;
   CalibrationSettings settings;
-  std::uint64_t fingerprint = 0;        ///< of the file and the tables it names
+  std::uint64_t fingerprint = 0;       ///< of the file and the tables it names
   std::vector<std::string> notices{};  ///< what readers of the result must know
 };
 

@@ -35,7 +35,8 @@ AnyLaw read_parameters(Section& section, Preset preset, const std::set<std::stri
   }
   for (const auto& o : Law::options()) o.set(law, section.choice(o, default_choice(o, preset)));
   if constexpr (requires { law.fault(); })
-    if (const std::optional<Fault> fault = law.fault(); fault && given.empty()) section.complain(fault->key, fault->why);
+    if (const std::optional<Fault> fault = law.fault(); fault && given.empty())
+      section.complain(fault->key, fault->why);
   law.prepare();
   return settled(law);
 }
@@ -74,7 +75,8 @@ AnyLaw read_law(Section& section, Preset preset, const std::set<std::string>& gi
   const int chosen = section.required_choice(law_option());
   AnyLaw result;
   Laws::for_each([&]<class Law>() {
-    if (is_named<Law> && Law::name == laws[std::size_t(chosen)].word) result = read_parameters<Law>(section, preset, given);
+    if (is_named<Law> && Law::name == laws[std::size_t(chosen)].word)
+      result = read_parameters<Law>(section, preset, given);
   });
   return result;
 }

@@ -159,11 +159,11 @@ Json titled(const char* title, const Declaration& table) {
 }  // namespace
 
 std::string schema_of_inputs(const std::vector<OtherInput>& others) {
-  Json kinds = Json::array({titled("a case", case_declaration()), titled("an element test", element_test_declaration())});
+  Json kinds =
+      Json::array({titled("a case", case_declaration()), titled("an element test", element_test_declaration())});
   for (const OtherInput& other : others) kinds.push_back(titled(other.title, *other.declaration));
-  const Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"},
-                    {"title", "input of talus"},
-                    {"anyOf", std::move(kinds)}};
+  const Json schema{
+      {"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "input of talus"}, {"anyOf", std::move(kinds)}};
   return schema.dump(1) + "\n";
 }
 
