@@ -99,6 +99,7 @@ TEST_F(ANewCase, HasEveryLawWithAllItsKeysInItsSchema) {
   ASSERT_EQ(program::talus("schema > " + in("schema.json")).code, 0);
   const auto schema = nlohmann::json::parse(contents(in("schema.json")));
   for (const auto& input : schema["anyOf"]) {
+    if (input["title"] == "a calibration") continue;  // there a parameter may be tied instead
     const auto& properties = input["properties"];
     const auto& material = properties["material"]["additionalProperties"].is_object()
                                ? properties["material"]["additionalProperties"]

@@ -35,6 +35,15 @@ struct ReproduceOptions {
 };
 int reproduce(const ReproduceOptions& options);
 
+struct CalibrateOptions {
+  std::string data_file;
+  std::string out;  ///< folder for results; empty: out/NAME
+  int threads = 0;  ///< 0: as many as there are processors
+  bool overwrite = false;
+  bool resume = false;  ///< continue from the last iteration
+};
+int calibrate_law(const CalibrateOptions& options);
+
 /// Opens the report of a run if there is a display; otherwise prints its path.
 int view_report(const std::string& folder);
 

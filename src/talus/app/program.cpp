@@ -9,6 +9,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/text.hpp"
+#include "talus/calibration/read_calibration.hpp"
 #include "talus/input/schema.hpp"
 
 namespace {
@@ -37,11 +38,12 @@ class Commands {
     add_check(app);
     add_view(app);
     add_element(app);
+    add_calibrate(app);
     add_reproduce(app);
     add(app, "list", "list laws, shapes, transfers and walls with units, ranges and meaning", talus::list_everything);
     add_new(app);
     add(app, "schema", "print a JSON Schema of input files, with which editors complete and check them", [] {
-      std::fputs(talus::schema_of_inputs().c_str(), stdout);
+      std::fputs(talus::schema_of_inputs({{"a calibration", &talus::calibration_declaration()}}).c_str(), stdout);
       return 0;
     });
   }
@@ -108,6 +110,18 @@ class Commands {
     command->add_option("--out", element_options_.out, "CSV file for the result [standard output]");
   }
 
+  void add_calibrate(CLI::App& app) {
+    CLI::App* command = add(app, "calibrate", "find the parameters of a law from measured tests",
+                            [this] { return talus::calibrate_law(calibrate_options_); });
+    command->add_option("DATA", calibrate_options_.data_file, "calibration file (TOML)")->required();
+    command->add_option("--out", calibrate_options_.out, "folder for the results [out/DATA]");
+    add_threads(command, calibrate_options_.threads);
+    CLI::Option* overwrite = command->add_flag("--overwrite", calibrate_options_.overwrite,
+                                               "write into a folder that holds a calibration already");
+    command->add_flag("--resume", calibrate_options_.resume, "go on from the last iteration, to the same result")
+        ->excludes(overwrite);
+  }
+
   void add_reproduce(CLI::App& app) {
     CLI::App* command = add(app, "reproduce", "remake published figures and say which of their claims hold",
                             [this] { return talus::reproduce(figure_options_); });
@@ -125,6 +139,7 @@ class Commands {
 
   talus::RunOptions run_options_;
   talus::ElementOptions element_options_;
+  talus::CalibrateOptions calibrate_options_;
   talus::ReproduceOptions figure_options_;
   std::string case_to_check_, folder_to_view_, template_name_;
   int threads_of_check_ = 0;

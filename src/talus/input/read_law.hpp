@@ -1,6 +1,9 @@
 #pragma once
 /// The part of an input file that names a law and its parameters.
 
+#include <set>
+#include <string>
+
 #include "talus/case/case.hpp"
 #include "talus/input/reader.hpp"
 
@@ -10,7 +13,8 @@ namespace talus {
 std::vector<Entry> entries_of_laws();
 
 /// Reads `law` and the parameters and options of that law from a [material...] section; a preset has the defaults of the
-/// options. The section stays open for more keys.
-AnyLaw read_law(Section& section, Preset preset);
+/// options. The section stays open for more keys. Parameters that are `given` elsewhere must not stand in the section; their
+/// values are NaN, and what is wrong with parameters together is not looked for.
+AnyLaw read_law(Section& section, Preset preset, const std::set<std::string>& given = {});
 
 }  // namespace talus

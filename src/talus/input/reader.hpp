@@ -128,6 +128,12 @@ class Section {
     return table_->get(key) && table_->get(key)->is_table();
   }
 
+  /// Whether a key holds a list.
+  bool is_list(std::string_view key) const {
+    expect_declared(key);
+    return table_->get(key) && table_->get(key)->is_array();
+  }
+
   /// Whether nothing is wrong with the document so far, so that what was read means something.
   bool is_right() const { return document_->is_right(); }
 

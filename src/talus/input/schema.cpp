@@ -158,11 +158,12 @@ Json titled(const char* title, const Declaration& table) {
 
 }  // namespace
 
-std::string schema_of_inputs() {
-  const Json schema{{"$schema", "http://json-schema.org/draft-07/schema#"},
-                    {"title", "input of talus"},
-                    {"anyOf", Json::array({titled("a case", case_declaration()),
-                                           titled("an element test", element_test_declaration())})}};
+std::string schema_of_inputs(const std::vector<OtherInput>& others) {
+  Json kinds =
+      Json::array({titled("a case", case_declaration()), titled("an element test", element_test_declaration())});
+  for (const OtherInput& other : others) kinds.push_back(titled(other.title, *other.declaration));
+  const Json schema{
+      {"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "input of talus"}, {"anyOf", std::move(kinds)}};
   return schema.dump(1) + "\n";
 }
 
