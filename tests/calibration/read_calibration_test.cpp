@@ -13,6 +13,7 @@
 #include "talus/base/error.hpp"
 #include "talus/calibration/measured_table.hpp"
 #include "talus/calibration/parameters.hpp"
+#include "talus/case/material.hpp"
 
 namespace talus::read_calibration_test {
 
@@ -153,6 +154,33 @@ density = "2500 kg/m3"
   std::map<std::string, double> weights;
   for (const MeasuredQuantity& q : test.quantities) weights[q.name] = q.weight;
   EXPECT_EQ(weights, (std::map<std::string, double>{{"p", 1}, {"shear_stress", 0}, {"stress_ratio", 1}}));
+}
+
+TEST_F(CalibrationFile, AFormulaChoosesRowsAndATieMayFollowTheCriticalFriction) {
+  write("g.csv", "phi,gdot,p,tau\n0.6,0.01,0.02,0.008\n0.6,0.1,0.03,0.01\n0.5,0.01,0.001,0.0006\n");
+  const std::string grains = R"([[test]]
+kind = "grain_shear"
+file = "g.csv"
+only = "gdot < 0.1 && phi > 0.55"
+[test.columns]
+shear_rate = "gdot"
+solid_fraction = "phi"
+p = "p"
+shear_stress = "tau"
+[test.scales]
+stiffness = "1 MPa"
+diameter = "1 mm"
+density = "2500 kg/m3"
+)";
+  const Calibration c = read(replaced(head, "n_d = 2\n", "") + "[tied]\nn_d = \"2*critical_friction\"\n" + grains);
+  ASSERT_EQ(c.tests.size(), 1u);
+  EXPECT_EQ(c.tests[0].states.size(), 1u);
+  double n_d = 0;
+  for (const NamedValue& v : parameters_of(c.law))
+    if (v.parameter.key == "n_d") n_d = v.value;
+  EXPECT_EQ(n_d, 2 * *critical_friction_of(c.law));
+  expect(head + replaced(grains, "phi > 0.55", "phi > 0.7"), "holds in no row");
+  expect(head + replaced(grains, "phi > 0.55", "Phi > 0.55"), "Phi");
 }
 
 TEST_F(CalibrationFile, MistakesAreRefusedWithLineAndSuggestion) {

@@ -386,6 +386,7 @@ void grow_with_rate(Case& c) {
   grows.zeta = 0.8;
   grows.reach = 0.15;
   grows.Phi_w = 0.02;
+  grows.E_g = 1e9;
   c.materials[0].law = grows;
 }
 

@@ -22,6 +22,7 @@ GranularRate beads() {
   l.zeta = 0.8;
   l.reach = 0.15;
   l.Phi_w = 0.01;
+  l.E_g = 1e12;  // rigid
   l.prepare();
   return l;
 }
@@ -199,7 +200,7 @@ TEST(GranularRate, CollisionsPressAlongTheVorticityToo) {
   const GranularRate law = beads();
   State s = isotropic_state(law, 0, 0.9);
   law.update(s, Motion<double>{{0, 0, 0, 1e-3, 0, 0}, {0, 0, 0, 100, 0, 0}, 1e-5}, implicit);
-  const double f = law.momentum_exchange(1 / 1.9);
+  const double f = law.momentum_exchange(1 / 1.9, law.rate_of_flow(100.0));
   EXPECT_NEAR(s.collisional.yy, -f * 1e4, 1e-9 * f * 1e4);
   EXPECT_NEAR(s.collisional.xx, s.collisional.yy, 1e-9 * f * 1e4);
   EXPECT_NEAR(s.collisional.zz / s.collisional.yy, 0.8, 1e-12);
@@ -236,7 +237,7 @@ TEST(GranularRate, MomentumExchangeIsBoundedAndSmoothAtTheClosestPacking) {
   const GranularRate law = beads();
   double last = 0;
   for (double Phi = 0.3; Phi < 0.75; Phi += 1e-3) {
-    const double f = law.momentum_exchange(Phi);
+    const double f = law.momentum_exchange(Phi, 0.0);
     EXPECT_GT(f, last) << "never falls";
     last = f;
   }
@@ -244,8 +245,22 @@ TEST(GranularRate, MomentumExchangeIsBoundedAndSmoothAtTheClosestPacking) {
   EXPECT_LT(last, full);
   EXPECT_GT(last, 0.97 * full) << "the gap is Phi_w in the end";
   // Far below Phi_c it is Eq. 15: the rounding adds Phi_w^2/(4 (gap - Phi_w)) to the gap.
-  EXPECT_NEAR(law.momentum_exchange(0.385), law.collisional.momentum_exchange(0.385), 0.003 * full * 0.0025);
+  EXPECT_NEAR(law.momentum_exchange(0.385, 0.0), law.collisional.momentum_exchange(0.385), 0.003 * full * 0.0025);
   EXPECT_EQ(isotropic_state(law, 100, 0.5).frictional.skeleton_void_ratio, 0.5) << "Phi = 0.667 > Phi_c";
+}
+
+TEST(GranularRate, GrainsThatGiveWayExertNoMoreThanTheirStiffnessAllows) {
+  // A = 10 Pa^1/2 and E_g = 1 MPa: p_E = 1e6^(3/4) 10^(1/2) = 100 kPa. Denser than Phi_c and with Phi_w -> 0 that is all there
+  // is; where rigid grains would exert p, 1/sqrt p and 1/sqrt p_E add up.
+  GranularRate law = beads();
+  law.E_g = 1e6;
+  law.Phi_w = 1e-9;
+  law.prepare();
+  const double g = 100, A = law.rate_of_flow(g), p_E = std::pow(1e6, 0.75) * std::sqrt(10);
+  EXPECT_NEAR(A, 10, 1e-12);
+  EXPECT_NEAR(law.momentum_exchange(0.6, A) * g * g, p_E, 1e-5 * p_E);
+  const double rigid = law.momentum_exchange(0.55, 0.0) * g * g, p = law.momentum_exchange(0.55, A) * g * g;
+  EXPECT_NEAR(1 / std::sqrt(p), 1 / std::sqrt(rigid) + 1 / std::sqrt(p_E), 1e-9);
 }
 
 TEST(GranularRate, FrictionOfABedOfTheSameGrainsGrowsAlike) {

@@ -38,6 +38,7 @@ inline GranularRate case_1_for_predictions() {
   law.zeta = 0.8;
   law.reach = 0.15;
   law.Phi_w = 0.02;
+  law.E_g = 1e9;
   law.prepare();
   return law;
 }

@@ -66,6 +66,17 @@ MeasuredTable MeasuredTable::where(int column, std::string_view is) const {
   return chosen;
 }
 
+MeasuredTable MeasuredTable::only(const std::string& formula) const {
+  const std::vector<double> holds = evaluate(formula, numbers());
+  MeasuredTable chosen{path, names, {}, {}};
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (holds[i] == 0 || holds[i] != holds[i]) continue;
+    chosen.cells.push_back(cells[i]);
+    chosen.lines.push_back(lines[i]);
+  }
+  return chosen;
+}
+
 NumberTable MeasuredTable::numbers() const {
   NumberTable table{names, {}, lines};
   for (const auto& row : cells) {

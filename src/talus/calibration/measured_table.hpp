@@ -21,6 +21,8 @@ struct MeasuredTable {
   std::vector<std::string> values_of(int column) const;
   /// Rows whose cell in a column is a text, or the same number written otherwise.
   MeasuredTable where(int column, std::string_view is) const;
+  /// Rows in which a formula of the columns holds, `rate <= 0.01`. Throws std::runtime_error where it is wrong.
+  MeasuredTable only(const std::string& formula) const;
   /// Cells as numbers, NaN where there is none.
   NumberTable numbers() const;
 };

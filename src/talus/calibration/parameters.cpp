@@ -145,6 +145,10 @@ double value_of_tie(const TiedParameter& tie, const AnyLaw& law) {
     table.names.emplace_back(v.parameter.key);
     table.rows[0].push_back(v.value);
   }
+  if (const std::optional<double> friction = critical_friction_of(law)) {
+    table.names.emplace_back("critical_friction");
+    table.rows[0].push_back(*friction);
+  }
   return evaluate(tie.formula, table)[0];
 }
 

@@ -47,7 +47,8 @@ double slope_of(const FreeParameter& p, double x);
 /// The law at a point of the search, ties included. Throws InputError where a formula has no finite value.
 AnyLaw law_at(const Calibration& calibration, const Vector& x);
 
-/// The value of a tie, from the parameters of a law. Throws std::runtime_error where the formula is wrong.
+/// The value of a tie, from the parameters of a law and, where it has one, its `critical_friction` (shear over normal stress
+/// of simple shear at the critical state). Throws std::runtime_error where the formula is wrong.
 double value_of_tie(const TiedParameter& tie, const AnyLaw& law);
 
 /// A value with so many digits and its unit, angles in degrees; "-" if it is not finite.

@@ -86,6 +86,7 @@ constexpr Text name_key{"name", "name of the test; with `each` the beginning of 
     group_key{"group", "tests of one group are left out together; by default each test is a group"},
     file_key{"file", "CSV file of the measurements"}, where_key{"where", "column that selects rows"},
     is_key{"is", "what that column must read"},
+    only_key{"only", "formula of columns that rows must fulfil: rate <= 0.01"},
     each_key{"each", "column that separates tests: one test for every value in it"};
 constexpr Option kind_key{"kind", "kind of the test", test_kind_choices};
 constexpr Choice triaxial_drainages[] = {
@@ -485,6 +486,7 @@ const Declaration& measured_test_declaration() {
                         required(file_key),
                         optional(where_key),
                         optional(is_key),
+                        optional(only_key),
                         optional(each_key),
                         optional(skip_key),
                         required(columns_table),
@@ -535,7 +537,8 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
   const std::string name = s.text(name_key, "");
   request.group = s.text(group_key, "");
   const MeasuredTable* table = read_table(s);
-  const std::string where = s.text(where_key, ""), is = s.text(is_key, ""), each = s.text(each_key, "");
+  const std::string where = s.text(where_key, ""), is = s.text(is_key, ""), each = s.text(each_key, ""),
+                    only = s.text(only_key, "");
   request.skip_incomplete = s.flag(skip_key, false);
   request.void_ratio = s.optional_number(void_ratio_key);
   if (kind & (of_triaxial | of_shear)) {
@@ -602,6 +605,13 @@ std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
                     known.size() > 12 ? " ..." : ""));
     return tests;
   }
+  if (!only.empty()) try {
+      chosen = chosen.only(only);
+      if (chosen.cells.empty()) throw std::runtime_error("holds in no row");
+    } catch (const std::runtime_error& e) {
+      s.complain("only", e.what());
+      return tests;
+    }
   const auto add = [&](const MeasuredTable& rows, std::string called) {
     if (std::find(names_.begin(), names_.end(), called) != names_.end()) {
       s.complain(fmt::format("makes a second test called `{}`; give another `name`", called));

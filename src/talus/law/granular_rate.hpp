@@ -18,7 +18,8 @@
 ///    cut to what returns none; where a flow opens, its pressure p falls to p s/(s + p tr D), with what shear spends, s, so
 ///    that it never returns more.
 /// 4. f_Phi = rho_s (2 d dPhi/gap)^2 levels off smoothly at Phi_c, gap being max(Phi_c - Phi, Phi_w) rounded over Phi_w,
-///    and is finite beyond: denser bodies are allowed.
+///    and is finite beyond: denser bodies are allowed. Grains that give way, of stiffness E_g, exert no more than
+///    E_g^(3/4) (rho_s (2 d |g|)^2)^(1/4) (Chialvo, Sun and Sundaresan 2012, the regime between slow and inertial flow).
 ///
 /// Steady simple shear under constant normal stress: tau/sigma_n = mu(I), gap = dPhi I where no contacts are left.
 
@@ -61,20 +62,22 @@ struct RisingFriction {
   }
 };
 
-/// Parameters: those of SIMSAND and of mu(I), and three more; call `prepare` after setting them.
+/// Parameters: those of SIMSAND and of mu(I), and four more; call `prepare` after setting them.
 struct GranularRate {
   Simsand frictional;
   MuI collisional;
-  double zeta, reach, Phi_w;
+  double zeta, reach, Phi_w, E_g;
   ContactFriction contact_friction = ContactFriction::mu_i;
   PackingLimit packing = PackingLimit::smooth;
 
-  double gain;  ///< (mu_d - mu_s)/mu_c; follows from the above
+  double gain;      ///< (mu_d - mu_s)/mu_c; follows from the above, as does
+  double softness;  ///< dPhi E_g^(-3/8), what A^(3/4) adds to the gap
 
   TALUS_HD void prepare() {
     frictional.prepare();
     collisional.prepare();
     gain = (collisional.mu_d - collisional.mu_s) / frictional.critical_friction();
+    softness = collisional.dPhi * std::pow(E_g, -3.0 / 8);
   }
   void scale_stiffness(double factor) { frictional.scale_stiffness(factor); }
 
@@ -86,12 +89,20 @@ struct GranularRate {
 
   // ---- the equations, one a function -----------------------------------------------------------------------------
 
-  /// f_Phi [kg/m], Eq. 15 with a gap that is never less than Phi_w.
+  /// I sqrt(p) [Pa^1/2] at the shear rate |g| [1/s].
   template <Number R>
-  TALUS_HD R momentum_exchange(R Phi) const {
+  TALUS_HD R rate_of_flow(R g) const {
+    return R(2 * collisional.d * std::sqrt(collisional.rho_s)) * g;
+  }
+
+  /// f_Phi [kg/m], Eq. 15 with a gap that is never less than Phi_w, and wider where grains give way: with the pressure
+  /// p_E = E_g^(3/4) A^(1/2) of the latter and p of Eq. 15, (f |g|^2)^(-1/2) = p^(-1/2) + p_E^(-1/2).
+  template <Number R>
+  TALUS_HD R momentum_exchange(R Phi, R A) const {
     if (packing == PackingLimit::clamped) return collisional.momentum_exchange(Phi);
     const R beyond = R(collisional.Phi_c - Phi_w) - Phi;
-    const R gap = R(Phi_w) + R(0.5) * (beyond + sqrt(beyond * beyond + R(Phi_w * Phi_w)));
+    const R rigid = R(Phi_w) + R(0.5) * (beyond + sqrt(beyond * beyond + R(Phi_w * Phi_w)));
+    const R root = sqrt(A), gap = rigid + R(softness) * root * sqrt(root);
     const R loosening = R(2 * collisional.d * collisional.dPhi) / gap;
     return R(collisional.rho_s) * loosening * loosening;
   }
@@ -124,8 +135,7 @@ struct GranularRate {
     const SymTensor<R> D = deviator(motion.strain_rate), before = state.collisional;
     const R g = shear_rate(D);
     const R volume = specific_volume(state) * exp(trace(motion.strain));  // after the step
-    const R f = momentum_exchange(one / volume), pressing = R(pressure_share()) * f * g * g;
-    const R A = R(2 * collisional.d * std::sqrt(collisional.rho_s)) * g;
+    const R A = rate_of_flow(g), f = momentum_exchange(one / volume, A), pressing = R(pressure_share()) * f * g * g;
 
     Response<R> response;
     if (contact_friction == ContactFriction::mu_i)
@@ -242,6 +252,9 @@ inline std::span<const ParameterOf<GranularRate>> GranularRate::parameters() {
     all.push_back(
         {{"Phi_w", "1", {0, 0.5, true, false}, "volume fraction below Phi_c over which momentum exchange levels off"},
          [](GranularRate& l) -> double& { return l.Phi_w; }});
+    all.push_back({{"E_g", "Pa", Range::positive(),
+                    "stiffness of the grains in collisions: about a tenth of k_n/d of springs; 1 GPa and more: rigid"},
+                   [](GranularRate& l) -> double& { return l.E_g; }});
     return all;
   }();
   return table;
@@ -288,13 +301,13 @@ inline std::span<const QuantityOf<GranularRate>> GranularRate::quantities() {
                      *v = l.collisional.friction(shear_rate(deviator(rate)), pressure(total_stress(s)));
                    }});
     all.push_back({{"f_Phi", "kg/m", 1, "momentum exchange (Eq. 15)"},
-                   [](const GranularRate& l, const S& s, const D&, double* v) {
-                     *v = l.momentum_exchange(1 / l.specific_volume(s));
+                   [](const GranularRate& l, const S& s, const D& rate, double* v) {
+                     *v = l.momentum_exchange(1 / l.specific_volume(s), l.rate_of_flow(shear_rate(deviator(rate))));
                    }});
     all.push_back({{"viscosity", "Pa s", 1, "equivalent shear viscosity 2 f_Phi mu |g| (Fig. 23)"},
                    [](const GranularRate& l, const S& s, const D& rate, double* v) {
                      const double g = shear_rate(deviator(rate));
-                     *v = 2 * l.momentum_exchange(1 / l.specific_volume(s)) * g *
+                     *v = 2 * l.momentum_exchange(1 / l.specific_volume(s), l.rate_of_flow(g)) * g *
                           l.collisional.friction(g, pressure(total_stress(s)));
                    }});
     return all;
