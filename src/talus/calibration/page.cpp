@@ -20,6 +20,21 @@ namespace talus {
 
 namespace {
 
+/// A sentence for the page, names in backticks set as such.
+std::string with_names(const std::string& sentence) {
+  std::string out;
+  bool inside = false;
+  for (char c : escaped(sentence)) {
+    if (c != '`') {
+      out += c;
+      continue;
+    }
+    out += inside ? "</code>" : "<code>";
+    inside = !inside;
+  }
+  return out;
+}
+
 namespace fs = std::filesystem;
 
 constexpr std::size_t most_points = 160;  ///< of a curve in a picture
@@ -325,10 +340,10 @@ std::string calibration_page(const fs::path& folder, const Calibration& c, const
   out += "<h2>What the tests determine, and what they do not</h2>\n";
   if (r.findings.empty())
     out += "<p class=\"good\">All free parameters are determined by the tests; no bound was hit.</p>\n";
-  for (const std::string& finding : r.findings) out += "<div class=\"warning\">" + escaped(finding) + "</div>\n";
+  for (const std::string& finding : r.findings) out += "<div class=\"warning\">" + with_names(finding) + "</div>\n";
   if (!r.suggestions.empty()) {
     out += "<p>Tests that would help:</p><ul>\n";
-    for (const Suggestion& s : r.suggestions) out += "<li>" + escaped(suggestion_in_words(c, s)) + "</li>\n";
+    for (const Suggestion& s : r.suggestions) out += "<li>" + with_names(suggestion_in_words(c, s)) + "</li>\n";
     out += "</ul>\n";
   }
   out += "<h2>Parameters</h2>\n" + parameters_table(c, r);

@@ -29,8 +29,8 @@ inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, 
 /// What the surface of a wall or of a solid does to material that meets it.
 struct Wall {
   WallKind kind;
-  double friction;  ///< Coulomb's coefficient, of `friction`
-  bool separates;   ///< material may lift off; otherwise it is held
+  double friction;      ///< Coulomb's coefficient, of `friction`
+  bool separates;       ///< material may lift off; otherwise it is held
   FrictionRise rise{};  ///< with the sliding speed, of `friction`
 
   Wall(WallKind k = WallKind::open, double mu = 0, bool lifts_off = false)  // NOLINT: a kind alone is a wall

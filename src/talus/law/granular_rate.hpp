@@ -1,7 +1,7 @@
 #pragma once
 /// The unified law for predictions: friction of contacts grows with the rate, and collisions bridge gaps.
 ///
-///   sigma = sigma_f + sigma_col, as in `granular`, but for four things, each of which can be set back to the paper's:
+///   sigma = sigma_f + sigma_col, as in `granular`, but for four things:
 ///
 /// 1. Contacts take part in mu(I) (`contact_friction`). In dense flow collisions carry a share of the pressure that falls
 ///    with I^2, so in `granular` friction hardly grows with the rate. Here both slopes of the contacts rise with it,
@@ -70,13 +70,14 @@ struct GranularRate {
   ContactFriction contact_friction = ContactFriction::mu_i;
   PackingLimit packing = PackingLimit::smooth;
 
-  double gain;      ///< (mu_d - mu_s)/mu_c; follows from the above, as does
+  double gain;      ///< (mu_d - mu_s)/mu_c, or 0; follows from the above, as does
   double softness;  ///< dPhi E_g^(-3/8), what A^(3/4) adds to the gap
 
   TALUS_HD void prepare() {
     frictional.prepare();
     collisional.prepare();
-    gain = (collisional.mu_d - collisional.mu_s) / frictional.critical_friction();
+    const bool rises = contact_friction == ContactFriction::mu_i;
+    gain = rises ? (collisional.mu_d - collisional.mu_s) / frictional.critical_friction() : 0;
     softness = collisional.dPhi * std::pow(E_g, -3.0 / 8);
   }
   void scale_stiffness(double factor) { frictional.scale_stiffness(factor); }
@@ -137,12 +138,8 @@ struct GranularRate {
     const R volume = specific_volume(state) * exp(trace(motion.strain));  // after the step
     const R A = rate_of_flow(g), f = momentum_exchange(one / volume, A), pressing = R(pressure_share()) * f * g * g;
 
-    Response<R> response;
-    if (contact_friction == ContactFriction::mu_i)
-      response =
-          frictional.update(state.frictional, motion, how, RisingFriction<R>{A, pressing, collisional.I_0, gain});
-    else
-      response = frictional.update(state.frictional, motion, how);
+    const RisingFriction<R> friction{A, pressing, collisional.I_0, gain};
+    Response<R> response = frictional.update(state.frictional, motion, how, friction);
 
     R w = one;
     if (any(state.frictional.x < zero)) {
@@ -160,13 +157,10 @@ struct GranularRate {
     const R p_col = select(returned > zero, closed * spent / max(spent + returned, R(1e-300)), closed);
     state.collisional = stress_from(shear, p_col);
 
-    response.viscosity = R(2.0) * (one + mu) * g * w * f;
-    if (contact_friction == ContactFriction::mu_i) {
-      const R root = sqrt(max(p, zero)), below = R(collisional.I_0) * root + A;
-      const R rate =
-          R((collisional.mu_d - collisional.mu_s) * collisional.I_0 * 2 * collisional.d * std::sqrt(collisional.rho_s));
-      response.viscosity = response.viscosity + rate * p_f * root / max(below * below, R(1e-300));
-    }
+    const R root = sqrt(max(p, zero)), below = R(collisional.I_0) * root + A;
+    const R per_rate = R(gain * frictional.critical_friction() * collisional.I_0 * 2 * collisional.d *
+                         std::sqrt(collisional.rho_s));  // p_f root/below^2 times this is dtau/d|g| of contacts
+    response.viscosity = R(2.0) * (one + mu) * g * w * f + per_rate * p_f * root / max(below * below, R(1e-300));
     response.collisional_work = R(0.5) * double_dot(before + state.collisional, motion.strain);
     response.work = response.work + response.collisional_work;
     return response;

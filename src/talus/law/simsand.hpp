@@ -187,7 +187,7 @@ struct Simsand {
 
   /// Shear over normal stress where sand is sheared on and on in a layer, M/sqrt 3 at sin 3theta = 0: in simple shear at
   /// the critical state the strain rate's deviator, and with it the stress's, has no part but the shear.
-  double critical_friction() const { return friction_slope(lode, tan_phi_c, 0.0) / std::numbers::sqrt3; }
+  TALUS_HD double critical_friction() const { return friction_slope(lode, tan_phi_c, 0.0) / std::numbers::sqrt3; }
 
   /// Horizontal over vertical stress at rest: Jaky 1944.
   double earth_pressure_at_rest() const { return 1 - std::sin(phi_c); }
