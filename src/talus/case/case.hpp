@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -83,6 +84,18 @@ struct Material {
 
   /// Whether names, densities and the parameters and options of the laws are the same.
   bool operator==(const Material& other) const;
+};
+
+/// The map that a case lies on.
+struct MapOfCase {
+  std::shared_ptr<const Terrain> ground;  ///< of the solid `terrain`
+  MapFrame frame;
+  bool geotiff = false;  ///< whether the terrain came as GeoTIFF, and maps go out so; otherwise as ESRI ASC
+
+  bool operator==(const MapOfCase& o) const {
+    return (ground == o.ground || (ground && o.ground && *ground == *o.ground)) && frame == o.frame &&
+           geotiff == o.geotiff;
+  }
 };
 
 struct BodySpec {
@@ -187,6 +200,7 @@ struct Case {
   Vec<3> gravity{};
   std::array<Wall, 6> walls{};  ///< low and high side of x, of y, of z
   std::vector<Solid> solids;
+  std::optional<MapOfCase> map;
   std::vector<Material> materials;
   std::vector<BodySpec> bodies;
   std::vector<SurfaceLoad> loads;

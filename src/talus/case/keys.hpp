@@ -12,6 +12,9 @@ inline constexpr Parameter cell{"cell", "m", Range::positive(), "size of the gri
 inline constexpr Parameter friction{"friction", "1", Range::not_negative(),
                                     "Coulomb's coefficient: tangent of the angle of wall friction"};
 
+inline constexpr Parameter xi{"xi", "m/s2", Range::positive(),
+                              "Voellmy's coefficient of turbulent friction: what slides is held by rho g v^2/xi"};
+
 // [material.NAME]; those of laws stand with the law
 inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk density at the start"};
 

@@ -35,6 +35,7 @@ void normalise(Vec<3>& direction) {
 
 void resolve_solid(Solid& solid, const Case& case_) {
   set_friction(solid.contact, case_);
+  for (Wall& surface : solid.zones.surfaces) set_friction(surface, case_);
   if (auto* half = std::get_if<HalfSpace>(&solid.shape)) normalise(half->normal);
   if (!solid.motion.angle.empty()) normalise(solid.motion.axis);
 }

@@ -1,6 +1,7 @@
 #pragma once
 /// Numbers on square pixels of the horizontal plane, and where a run lies on the map.
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -13,9 +14,9 @@ namespace talus {
 /// Numbers on square pixels of the horizontal plane. A number stands for its whole pixel, or for the pixel's middle; NaN is
 /// where there is none.
 struct PlanRaster {
-  Vec<2> corner{};            ///< of the pixel farthest south and west, its outer corner [m]
-  double pixel = 0;           ///< edge of a pixel [m]
-  int columns = 0, rows = 0;  ///< towards the east, towards the north
+  Vec<2> corner{};             ///< of the pixel farthest south and west, its outer corner [m]
+  double pixel = 0;            ///< edge of a pixel [m]
+  int columns = 0, rows = 0;   ///< towards the east, towards the north
   std::vector<double> values;  ///< row by row from the south, each from the west
 
   static constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -25,9 +26,7 @@ struct PlanRaster {
     return {corner, pixel, columns, rows, std::vector<double>(std::size_t(columns) * std::size_t(rows), value)};
   }
 
-  std::size_t index(int column, int row) const {
-    return std::size_t(row) * std::size_t(columns) + std::size_t(column);
-  }
+  std::size_t index(int column, int row) const { return std::size_t(row) * std::size_t(columns) + std::size_t(column); }
   double& at(int column, int row) { return values[index(column, row)]; }
   double at(int column, int row) const { return values[index(column, row)]; }
   bool has_pixel(int column, int row) const { return column >= 0 && column < columns && row >= 0 && row < rows; }
@@ -43,6 +42,12 @@ struct PlanRaster {
   /// Whether two rasters have the same pixels.
   bool same_pixels(const PlanRaster& o) const {
     return corner == o.corner && pixel == o.pixel && columns == o.columns && rows == o.rows;
+  }
+  /// Whether they hold the same numbers, and none at the same pixels.
+  bool operator==(const PlanRaster& o) const {
+    return same_pixels(o) && std::ranges::equal(values, o.values, [](double a, double b) {
+             return a == b || (std::isnan(a) && std::isnan(b));
+           });
   }
 };
 

@@ -18,12 +18,20 @@ namespace talus {
 template <int Dim>
 class ContactFinder {
  public:
-  ContactFinder(const Domain<Dim>& domain, std::vector<Solid> solids) : domain_(domain), solids_(std::move(solids)) {
+  /// `unit_weight` [N/m3]: of what slides on ground whose friction is turbulent.
+  ContactFinder(const Domain<Dim>& domain, std::vector<Solid> solids, double unit_weight = 0)
+      : domain_(domain), solids_(std::move(solids)), unit_weight_(unit_weight), ground_(solids_.size()) {
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
   }
 
   const std::vector<Solid>& solids() const { return solids_; }
+
+  /// Tiles have new numbers: forgets what is known of their nodes.
+  void number_tiles(int n_tiles) {
+    for (std::size_t s = 0; s < solids_.size(); ++s)
+      if (is_ground(solids_[s])) ground_[s].assign(std::size_t(n_tiles), {});
+  }
 
   /// What may be left of a displacement of a point within a cell of solids: nothing that goes into one.
   Vec<3> beside_solids(const Vec<3>& x, Vec<3> displacement, double time) const {
@@ -41,7 +49,7 @@ class ContactFinder {
   /// The contacts of a tile's nodes at time t, solids before walls; `found` holds those of before, of which the closed
   /// ones stay closed. `momentum`: of the nodes of all tiles.
   void find(const Tile<Dim>* tiles, const MassMomentum* momentum, const Mirrors<Dim>& walls, bool near_wall, int t,
-            double time, double least_mass, std::vector<NodeContact>& found) const {
+            double time, double least_mass, std::vector<NodeContact>& found) {
     std::vector<NodeContact> closed;
     std::copy_if(found.begin(), found.end(), std::back_inserter(closed), [](const NodeContact& c) { return c.closed; });
     found.clear();
@@ -52,6 +60,10 @@ class ContactFinder {
     int number = -1;
     for (const Solid& solid : solids_) {
       ++number;
+      if (is_ground(solid)) {
+        find_on_ground(tiles, momentum, t, number, counts, found);
+        continue;
+      }
       const Pose pose = solid.motion.at(time);
       const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
       const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
@@ -88,6 +100,69 @@ class ContactFinder {
 
  private:
   static constexpr int n_nodes = power(tile_edge, Dim);
+  static bool is_ground(const Solid& solid) { return std::holds_alternative<Ground>(solid.shape); }
+
+  /// The nodes of a tile and those up to `column_reach` below and above it, seen from ground that rests: found once and
+  /// kept as long as tiles keep their numbers. `far` from the ground no node meets it.
+  struct GroundNodes {
+    bool known = false, far = false;
+    std::vector<Nearness> nodes;
+  };
+  static constexpr int column_reach = 2, column_nodes = tile_edge + 2 * column_reach;
+  static constexpr int n_across = power(tile_edge, Dim - 1);
+
+  const GroundNodes& ground_of_tile(const Tile<Dim>& tile, int t, int number) {
+    GroundNodes& ground = ground_[std::size_t(number)][std::size_t(t)];
+    if (ground.known) return ground;
+    ground.known = true;
+    const SolidShape& shape = solids_[std::size_t(number)].shape;
+    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+    ground.far = nearness(shape, place_of(tile.place, 0.5 * (tile_edge - 1)), Dim).distance > reach;
+    if (ground.far) return ground;
+    ground.nodes.reserve(std::size_t(n_across * column_nodes));
+    for (int layer = -column_reach; layer < tile_edge + column_reach; ++layer)
+      for (int n = 0; n < n_across; ++n) {
+        Index<Dim> node = global_node<Dim>(tile.place, n);
+        node[Dim - 1] += layer;
+        ground.nodes.push_back(nearness(shape, place_of(node), Dim));
+      }
+    return ground;
+  }
+
+  /// A terrain is met from above alone, so the normal of its nearest place is always the right one.
+  template <class Counts>
+  void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int number, Counts counts,
+                      std::vector<NodeContact>& found) {
+    const GroundNodes& ground = ground_of_tile(tiles[t], t, number);
+    if (ground.far) return;
+    for (int node = 0; node < n_nodes; ++node) {
+      const Nearness& near = ground.nodes[std::size_t(node + column_reach * n_across)];
+      if (near.distance > margin * domain_.h || !counts(node)) continue;
+      const Wall& surface = solids_[std::size_t(number)].contact_at(place_of(global_node<Dim>(tiles[t].place, node)));
+      found.push_back({node, surface, near.normal, {}, number});
+      if (surface.xi > 0) found.back().drag = drag_at(tiles, momentum, t, node, ground, near.normal, surface.xi);
+    }
+  }
+
+  /// What turbulent friction slows a node by [1/m]: rho g/xi times the area of the ground under a column of nodes, over the
+  /// mass of those that meet it.
+  double drag_at(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node, const GroundNodes& ground,
+                 const Vec<3>& normal, double xi) const {
+    const Index<Dim> own = unflatten<Dim>(node, tile_edge);
+    double mass = 0;
+    for (int k = -column_reach; k <= column_reach; ++k) {
+      const int layer = own[Dim - 1] + k;
+      if (ground.nodes[std::size_t(node + (k + column_reach) * n_across)].distance > margin * domain_.h) continue;
+      Index<Dim> i = own, to{};
+      to[Dim - 1] = layer < 0 ? -1 : layer >= tile_edge ? 1 : 0;
+      i[Dim - 1] = layer - tile_edge * to[Dim - 1];
+      const int other = tiles[t].neighbours[neighbour_at<Dim>(to)];
+      if (other >= 0) mass += mass_at(momentum, other, flatten<Dim>(i, tile_edge));
+    }
+    const double area = std::pow(domain_.h, Dim - 1) / normal[Dim - 1];
+    return unit_weight_ / xi * area / mass;
+  }
+
   static double mass_at(const MassMomentum* momentum, int tile, int node) {
     return momentum[std::size_t(tile) * n_nodes + std::size_t(node)].mass;
   }
@@ -206,6 +281,8 @@ class ContactFinder {
 
   Domain<Dim> domain_;
   std::vector<Solid> solids_;
+  double unit_weight_;
+  std::vector<std::vector<GroundNodes>> ground_;  ///< of each solid that is ground, one a tile
   bool any_ = false;
 };
 

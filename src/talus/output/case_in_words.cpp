@@ -39,6 +39,7 @@ std::string body_in_words(const Case& case_, const BodySpec& body) {
                       : std::holds_alternative<Polygon>(body.region)   ? "polygon"
                       : std::holds_alternative<Raster>(body.region)    ? "picture"
                       : std::holds_alternative<PointList>(body.region) ? "list of points"
+                      : std::holds_alternative<SurfaceLayer>(body.region) ? "layer on the ground"
                                                                        : "box";
   const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
   return fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
