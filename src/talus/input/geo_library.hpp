@@ -1,0 +1,51 @@
+#pragma once
+/// What the readers of geodata share: how they use GDAL, and checks of files and of projections.
+
+#include <gdal_priv.h>
+#include <ogr_spatialref.h>
+
+#include <optional>
+#include <string>
+
+#include "talus/math/vec.hpp"
+
+namespace talus {
+
+/// While it lives, GDAL is silent, stays off the network and leaves no files beside those it reads. The first one
+/// registers the drivers that talus reads with; plug-ins are not loaded.
+class GeoLibrary {
+ public:
+  GeoLibrary();
+  ~GeoLibrary();
+  GeoLibrary(const GeoLibrary&) = delete;
+  GeoLibrary& operator=(const GeoLibrary&) = delete;
+
+  /// What GDAL last complained of, on one line; empty if of nothing.
+  const std::string& complaint() const { return complaint_; }
+  void forget() { complaint_.clear(); }
+
+ private:
+  CPLConfigOptionSetter no_side_files_, no_repair_of_index_;
+  std::string complaint_;
+};
+
+/// Throws unless there is a file at `path` that is not too large to be read and not compressed. `crop`: a command that
+/// makes a part of it.
+void expect_geodata(const std::string& path, const std::string& crop);
+
+/// What a file may not have grown to, in a sentence.
+std::string shortly_in_bytes(std::uintmax_t bytes);
+
+/// Throws unless a projection has coordinates in metres. `middle`: of what the file shows, to name a projection that
+/// suits; `convert`: the command that projects such files, "gdalwarp" or "ogr2ogr".
+void expect_metres(const OGRSpatialReference& projection, const std::string& path, const std::string& convert,
+                   std::optional<Vec<2>> middle = {});
+
+/// As WKT that other programs read too.
+std::string wkt_of(const OGRSpatialReference& projection);
+
+/// What a .prj beside a file states: an empty one if there is no such file, or nothing in it. Throws if it cannot be
+/// understood.
+OGRSpatialReference projection_beside(const std::string& path);
+
+}  // namespace talus
