@@ -4,7 +4,10 @@
 
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <ogrsf_frmts.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -627,16 +630,30 @@ TEST_F(PolygonFile, DegreesAndFeetAreRefused) {
   const std::string small = "[[[11.1,47.1],[11.2,47.1],[11.2,47.2],[11.1,47.1]]]";
   EXPECT_SAYS(read_polygons(json(feature(small), "")),
               "in degrees (WGS 84), not in metres; project it: ogr2ogr -t_srs EPSG:32632 OUT IN");
+  EXPECT_SAYS(read_polygons(json(feature("[[[4e5,5e6],[4e5,5.1e6],[5e5,5e6],[4e5,5e6]]]"), "")),
+              "states degrees (WGS 84), as every GeoJSON without `crs` does, but has coordinates such as (");
   EXPECT_SAYS(read_polygons(json(feature(triangle), "EPSG::2222")), "has coordinates in foot of 0.3048 m");
 }
 
 TEST_F(PolygonFile, NothingIsFetchedFromAnAddress) {
-  const std::string file =
-      write("b.geojson",
-            R"({"type": "FeatureCollection", "crs": {"type": "link", "properties": {"href": "http://127.0.0.1:9/"}},)"
-            "\"features\": [" +
-                feature(triangle) + "]}");
-  EXPECT_SAYS(read_polygons(file), "b.geojson");
+  const int listener = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK, 0);
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  socklen_t size = sizeof address;
+  ASSERT_EQ(::bind(listener, reinterpret_cast<sockaddr*>(&address), size), 0);
+  ASSERT_EQ(::listen(listener, 4), 0);
+  ASSERT_EQ(::getsockname(listener, reinterpret_cast<sockaddr*>(&address), &size), 0);
+  const std::string link = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/projection";
+  for (const std::string crs : {R"("link", "properties": {"href": ")", R"("URL", "properties": {"url": ")",
+                                R"("name", "properties": {"name": ")"}) {
+    const std::string file = write("b.geojson", R"({"type": "FeatureCollection", "crs": {"type": )" + crs + link +
+                                                    R"("}}, "features": [)" + feature(triangle) + "]}");
+    EXPECT_SAYS(read_polygons(file), "b.geojson has coordinates in degrees");
+  }
+  EXPECT_SAYS(projection_of(link), "is no projection");
+  EXPECT_LT(::accept(listener, nullptr, nullptr), 0) << "something called";
+  ::close(listener);
 }
 
 TEST_F(PolygonFile, ShapefilesAreReadWhole) {
@@ -660,6 +677,20 @@ TEST_F(PolygonFile, ShapefilesAreReadWhole) {
   EXPECT_SAYS(read_polygons(file), "a.shp lacks a.dbf; a shapefile consists of .shp, .shx and .dbf");
   fs::remove(path("a.shx"));
   EXPECT_SAYS(read_polygons(file), "a.shp lacks a.shx");
+}
+
+TEST_F(PolygonFile, AShapefileThatEndsTooEarlyIsRefused) {
+  const std::string file = make("ESRI Shapefile", "a.shp", {{"a", wkbPolygon}});
+  {
+    const std::unique_ptr<GDALDataset> data(GDALDataset::Open(file.c_str(), GDAL_OF_VECTOR | GDAL_OF_UPDATE));
+    OGRLayer* layer = data->GetLayer(0);
+    const std::unique_ptr<OGRFeature> first(layer->GetFeature(0));
+    first->SetFID(OGRNullFID);
+    ASSERT_EQ(layer->CreateFeature(first.get()), OGRERR_NONE);
+  }
+  EXPECT_EQ(read_polygons(file).polygons.size(), 2U);
+  fs::resize_file(file, fs::file_size(file) - 40);
+  EXPECT_SAYS(read_polygons(file), "the file is damaged or incomplete");
 }
 
 TEST_F(PolygonFile, AGeoPackageIsReadWhereOneLayerIsMeant) {

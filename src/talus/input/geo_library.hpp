@@ -20,21 +20,24 @@ class GeoLibrary {
   GeoLibrary(const GeoLibrary&) = delete;
   GeoLibrary& operator=(const GeoLibrary&) = delete;
 
-  /// What GDAL last complained of, on one line; empty if of nothing.
-  const std::string& complaint() const { return complaint_; }
-  void forget() { complaint_.clear(); }
+  /// What GDAL last said was wrong or doubtful, on one line; empty if nothing.
+  const std::string& complaint() const { return said_.complaint; }
+  /// What it last failed at, likewise.
+  const std::string& failure() const { return said_.failure; }
+  void forget() { said_ = {}; }
+
+  struct Said {
+    std::string complaint, failure;
+  };
 
  private:
   CPLConfigOptionSetter no_side_files_, no_repair_of_index_;
-  std::string complaint_;
+  Said said_;
 };
 
 /// Throws unless there is a file at `path` that is not too large to be read and not compressed. `crop`: a command that
 /// makes a part of it.
 void expect_geodata(const std::string& path, const std::string& crop);
-
-/// What a file may not have grown to, in a sentence.
-std::string shortly_in_bytes(std::uintmax_t bytes);
 
 /// Throws unless a projection has coordinates in metres. `middle`: of what the file shows, to name a projection that
 /// suits; `convert`: the command that projects such files, "gdalwarp" or "ogr2ogr".

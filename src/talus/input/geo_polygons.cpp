@@ -120,10 +120,19 @@ void add_rings(const OGRPolygon& part, GeoPolygon& polygon) {
   }
 }
 
+/// GDAL ends its list of features early where a file is damaged.
+void expect_no_failure(const GeoLibrary& library, const std::string& path) {
+  if (!library.failure().empty())
+    throw std::runtime_error(
+        fmt::format("{} cannot be read to its end; the file is damaged or incomplete ({})", path, library.failure()));
+}
+
 /// The geometry of a feature as rings. `feature`: how messages call it.
-GeoPolygon polygon_of(OGRGeometry* geometry, const std::string& feature, GeoLibrary& library) {
-  if (!geometry || geometry->IsEmpty())
+GeoPolygon polygon_of(OGRGeometry* geometry, const std::string& feature, const std::string& path, GeoLibrary& library) {
+  if (!geometry || geometry->IsEmpty()) {
+    expect_no_failure(library, path);
     throw std::runtime_error(fmt::format("{} has no geometry; draw or delete it", feature));
+  }
   if (!holds_polygons(*geometry)) {
     const bool curved = OGR_GT_IsNonLinear(geometry->getGeometryType());
     throw std::runtime_error(fmt::format("{} is a {}, and polygons are expected{}", feature,
@@ -132,8 +141,6 @@ GeoPolygon polygon_of(OGRGeometry* geometry, const std::string& feature, GeoLibr
   }
   geometry->flattenTo2D();
   geometry->closeRings();
-  OGREnvelope extent;
-  geometry->getEnvelope(&extent);
   bool finite = true;
   GeoPolygon polygon;
   if (wkbFlatten(geometry->getGeometryType()) == wkbPolygon)
@@ -143,6 +150,7 @@ GeoPolygon polygon_of(OGRGeometry* geometry, const std::string& feature, GeoLibr
   for (const auto& ring : polygon.rings)
     for (Vec<2> p : ring) finite &= std::isfinite(p[0]) && std::isfinite(p[1]);
   if (!finite) throw std::runtime_error(fmt::format("{} has a coordinate that is not finite", feature));
+  expect_no_failure(library, path);
   library.forget();
   if (!geometry->IsValid())
     throw std::runtime_error(
@@ -206,11 +214,13 @@ GeoPolygons read_polygons(const std::string& path, const std::string& attribute)
     read.attributes.push_back(printable(definition.GetFieldDefn(f)->GetNameRef()));
   const int field = attribute.empty() ? -1 : field_of(definition, attribute, read.attributes, path);
   int n = 0;
+  library.forget();  // what was said while it was opened is no failure to read it
   for (const auto& feature : layer) {
     const std::string name = fmt::format("{}: feature {} (fid {})", path, ++n, feature->GetFID());
-    read.polygons.push_back(polygon_of(feature->GetGeometryRef(), name, library));
+    read.polygons.push_back(polygon_of(feature->GetGeometryRef(), name, path, library));
     if (field >= 0) read.polygons.back().value = number_in(*feature, field, name);
   }
+  expect_no_failure(library, path);
   if (read.polygons.empty()) throw std::runtime_error(fmt::format("{} holds no polygon: its layer is empty", path));
   OGRSpatialReference projection;
   if (const OGRSpatialReference* stated = layer.GetSpatialRef()) projection = *stated;

@@ -1,25 +1,22 @@
 #include <cpl_http.h>
 #include <fmt/format.h>
+#include <gdal_frmts.h>
 #include <ogr_srs_api.h>
 #include <ogrsf_frmts.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <stdexcept>
+#include <string_view>
+#include <vector>
 
 #include "talus/base/file.hpp"
 #include "talus/base/text.hpp"
 #include "talus/input/geo_library.hpp"
 #include "talus/input/geodata.hpp"
-
-extern "C" void CPL_DLL RegisterOGRShape();
-extern "C" void CPL_DLL RegisterOGRGeoJSON();
-extern "C" void CPL_DLL RegisterOGRGeoPackage();
-extern "C" void CPL_DLL GDALRegister_GTiff();
 
 namespace talus {
 
@@ -32,12 +29,18 @@ constexpr std::size_t most_prj_bytes = 1 << 16;
 
 void CPL_STDCALL collect(CPLErr kind, CPLErrorNum, const char* text) {
   if (kind == CE_Debug) return;
-  *static_cast<std::string*>(CPLGetErrorHandlerUserData()) = printable(text);
+  auto& said = *static_cast<GeoLibrary::Said*>(CPLGetErrorHandlerUserData());
+  said.complaint = printable(text);
+  if (kind != CE_Warning) said.failure = said.complaint;
 }
 
-/// A GeoJSON can name its projection by an address.
+/// Answers every request with a failure: a GeoJSON can name its projection by an address. Without an answer GDAL would
+/// ask the network after all.
 CPLHTTPResult* fetch_nothing(const char*, CSLConstList, GDALProgressFunc, void*, CPLHTTPFetchWriteFunc, void*, void*) {
-  return nullptr;
+  auto* answer = static_cast<CPLHTTPResult*>(CPLCalloc(1, sizeof(CPLHTTPResult)));
+  answer->nStatus = 1;
+  answer->pszErrBuf = CPLStrdup("no network");
+  return answer;
 }
 
 std::string name_of(const OGRSpatialReference& projection) {
@@ -45,7 +48,7 @@ std::string name_of(const OGRSpatialReference& projection) {
   return name && *name ? printable(name) : "unnamed";
 }
 
-/// Where a projection is not in WKT of 1999 alone, such as one with a moving datum, that of 2019.
+/// As WKT in a format of GDAL's; empty if that cannot express it.
 std::string exported(const OGRSpatialReference& projection, const char* format) {
   const std::string option = std::string("FORMAT=") + format;
   const std::array<const char*, 2> options{option.c_str(), nullptr};
@@ -119,7 +122,7 @@ GeoLibrary::GeoLibrary()
     return true;
   }();
   static_cast<void>(registered);
-  CPLPushErrorHandlerEx(collect, &complaint_);
+  CPLPushErrorHandlerEx(collect, &said_);
   CPLHTTPPushFetchCallback(fetch_nothing, nullptr);
   OSRSetPROJEnableNetwork(0);
 }
@@ -128,8 +131,6 @@ GeoLibrary::~GeoLibrary() {
   CPLHTTPPopFetchCallback();
   CPLPopErrorHandler();
 }
-
-std::string shortly_in_bytes(std::uintmax_t bytes) { return fmt::format("{:.3g} GB", double(bytes) / 1e9); }
 
 void expect_geodata(const std::string& path, const std::string& crop) {
   std::error_code failure;
@@ -143,8 +144,9 @@ void expect_geodata(const std::string& path, const std::string& crop) {
   const std::uintmax_t size = fs::file_size(path, failure);
   if (failure) throw std::runtime_error(fmt::format("cannot open {}: {}", path, failure.message()));
   if (size > most_geodata_bytes)
-    throw std::runtime_error(fmt::format("{} has {}, and at most {} are read; cut out the part that the run needs: {}",
-                                         path, shortly_in_bytes(size), shortly_in_bytes(most_geodata_bytes), crop));
+    throw std::runtime_error(
+        fmt::format("{} has {:.3g} GB, and at most {:.3g} GB are read; cut out the part that the run needs: {}", path,
+                    double(size) / 1e9, double(most_geodata_bytes) / 1e9, crop));
   std::ifstream in(path, std::ios::binary);
   char first[2] = {};
   if (!in) throw std::runtime_error(fmt::format("{} cannot be read", path));
@@ -169,6 +171,13 @@ void expect_metres(const OGRSpatialReference& projection, const std::string& pat
                                                    : fmt::format("{} -t_srs {} IN OUT", convert, example);
   const std::string remedy =
       command.empty() ? "name one with metres, as the EPSG numbers of UTM zones" : "project it: " + command;
+  if (projection.IsGeographic() && middle && !(std::abs((*middle)[0]) <= 360 && std::abs((*middle)[1]) <= 90))
+    throw std::runtime_error(fmt::format(
+        "{} states degrees ({}){}, but has coordinates such as ({:.10g}, {:.10g}); state their projection: {} -a_srs "
+        "EPSG:... {}",
+        path, name_of(projection),
+        fs::path(path).extension() == ".geojson" ? ", as every GeoJSON without `crs` does" : "", (*middle)[0],
+        (*middle)[1], convert == "ogr2ogr" ? convert : "gdal_translate", convert == "ogr2ogr" ? "OUT IN" : "IN OUT"));
   if (projection.IsGeographic())
     throw std::runtime_error(
         fmt::format("{} has coordinates in degrees ({}), not in metres; {}", path, name_of(projection), remedy));

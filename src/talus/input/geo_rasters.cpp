@@ -7,6 +7,9 @@
 #include <fstream>
 #include <memory>
 #include <stdexcept>
+#include <string_view>
+#include <variant>
+#include <vector>
 
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
