@@ -2,6 +2,7 @@
 
 #include "talus/input/geodata.hpp"
 
+#include <fmt/format.h>
 #include <gdal_priv.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -29,7 +30,7 @@ std::string wkt(const std::string& name) {
   EXPECT_EQ(projection.SetFromUserInput(name.c_str()), OGRERR_NONE) << name;
   char* text = nullptr;
   projection.exportToWkt(&text);
-  const std::string result = text;
+  std::string result = text;
   CPLFree(text);
   return result;
 }
@@ -135,8 +136,8 @@ TEST_F(AsciiRaster, NoDataIsNone) {
   for (const std::string number : {"-9999", "-9999.000", "-99999", "nan", "NaN", "-3.40282346639e+38", "0"})
     for (const std::string key : {"NODATA_value", "nodata_value", "NODATA"}) {
       const std::string value = number == "-3.40282346639e+38" ? "-3.4028235e+38" : number;
-      const PlanRaster r =
-          read(with(with(plain(), "NODATA_value -9999", key + " " + number), " 2 ", " " + value + " "));
+      const std::string line = fmt::format("{} {}", key, number);
+      const PlanRaster r = read(with(with(plain(), "NODATA_value -9999", line), " 2 ", fmt::format(" {} ", value)));
       EXPECT_TRUE(std::isnan(r.at(1, 1))) << number;
       EXPECT_FALSE(r.has(1, 1));
       EXPECT_EQ(r.at(2, 1), 3);
@@ -504,7 +505,7 @@ TEST(Polygon, CoverageAgreesWithPlacesInside) {
     for (int column = 0; column < c.columns; ++column) {
       int inside = 0;
       for (int i = 0; i < 10000; ++i)
-        inside += contains(p, {column + (i % 100 + 0.5) / 100, row + (i / 100 + 0.5) / 100});
+        inside += contains(p, {column + (i % 100 + 0.5) / 100, row + (std::floor(i / 100.0) + 0.5) / 100});
       EXPECT_NEAR(c.at(column, row), inside / 1e4, 0.005) << column << ' ' << row;
     }
 }
@@ -647,8 +648,9 @@ TEST_F(PolygonFile, NothingIsFetchedFromAnAddress) {
   const std::string link = "http://127.0.0.1:" + std::to_string(ntohs(address.sin_port)) + "/projection";
   for (const std::string crs : {R"("link", "properties": {"href": ")", R"("URL", "properties": {"url": ")",
                                 R"("name", "properties": {"name": ")"}) {
-    const std::string file = write("b.geojson", R"({"type": "FeatureCollection", "crs": {"type": )" + crs + link +
-                                                    R"("}}, "features": [)" + feature(triangle) + "]}");
+    std::string text = R"({"type": "FeatureCollection", "crs": {"type": )";
+    text.append(crs).append(link).append(R"("}}, "features": [)").append(feature(triangle)).append("]}");
+    const std::string file = write("b.geojson", text);
     EXPECT_SAYS(read_polygons(file), "b.geojson has coordinates in degrees");
   }
   EXPECT_SAYS(projection_of(link), "is no projection");
