@@ -202,13 +202,10 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
                                 free.key, free.meaning));
   }
   for (const std::vector<int>& group : s.inseparable) {
-    double least = 1, most = 0;
+    double most = 0;
     for (int a : group)
       for (int b : group)
-        if (a < b) {
-          least = std::min(least, std::abs(s.correlation(a, b)));
-          most = std::max(most, std::abs(s.correlation(a, b)));
-        }
+        if (a < b) most = std::max(most, std::abs(s.correlation(a, b)));
     const std::string how = group.size() == 2
                                 ? fmt::format("their correlation is {:.2f}", s.correlation(group[0], group[1]))
                                 : fmt::format("correlations up to {:.3f}", most);
