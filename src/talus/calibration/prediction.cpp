@@ -87,7 +87,7 @@ double k0_of(const AnyLaw& law) {
 
 // ---- what is read off ------------------------------------------------------------------------------------------------
 
-/// ResultColumns of a result that quantities are computed from.
+/// Columns of a result that quantities are computed from.
 struct ResultColumns {
   int strain[6], stress[6];
 

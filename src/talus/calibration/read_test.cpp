@@ -238,15 +238,9 @@ struct Request {
   }
 };
 
+/// The column of the leading quantity.
 std::string leading_key(const Request& r) {
-  switch (r.kind) {
-    case TestKind::triaxial: return "axial_strain";
-    case TestKind::oedometer: return "axial_stress";
-    case TestKind::isotropic_compression: return "pressure";
-    case TestKind::simple_shear: return r.has("engineering_shear_strain") ? "engineering_shear_strain" : "shear_strain";
-    case TestKind::grain_shear: return "shear_rate";
-  }
-  return "";
+  return r.has("engineering_shear_strain") ? "engineering_shear_strain" : std::string(leading_quantity(r.kind));
 }
 
 /// The numbers of a test, column by column; rows that are left out are gone.
