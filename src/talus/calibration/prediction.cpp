@@ -379,6 +379,12 @@ Prediction predict(const MeasuredTest& test, const AnyLaw& law, double precision
   }
 }
 
+double scale_of(std::string_view quantity, const std::vector<double>& values) {
+  if (quantity == "void_ratio" || quantity == "solid_fraction") return range_of(values);
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return std::max(std::abs(*low), std::abs(*high));
+}
+
 std::vector<std::vector<double>> differences_of(const MeasuredTest& test, const Prediction& prediction) {
   std::vector<std::vector<double>> all;
   for (std::size_t k = 0; k < test.quantities.size(); ++k) {

@@ -12,6 +12,7 @@
 
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
+#include "talus/calibration/prediction.hpp"
 #include "talus/case/material.hpp"
 
 namespace talus {
@@ -375,12 +376,10 @@ void set_quantities(const Request& request, MeasuredColumns columns, MeasuredTes
     const auto weight = request.weights.find(key.key);
     quantity.weight =
         weight != request.weights.end() ? weight->second : default_weight(test.kind, test.drainage, key.key, there);
-    const auto [low, high] = std::minmax_element(quantity.values.begin(), quantity.values.end());
-    const bool by_range = key.key == "void_ratio" || key.key == "solid_fraction";
-    quantity.scale = by_range ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    quantity.scale = scale_of(key.key, quantity.values);
     if (const auto range = request.ranges.find(key.key); range != request.ranges.end()) quantity.scale = range->second;
     quantity.logarithmic = test.kind == TestKind::grain_shear && key.unit == "Pa";
-    if (quantity.logarithmic && !(*low > 0))
+    if (quantity.logarithmic && !(*std::min_element(quantity.values.begin(), quantity.values.end()) > 0))
       throw std::runtime_error(fmt::format("`{}` must be positive in every row", key.key));
     if (quantity.logarithmic) quantity.scale = 1;
     if (!(quantity.scale > 0)) {
