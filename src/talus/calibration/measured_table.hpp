@@ -22,7 +22,7 @@ struct MeasuredTable {
   MeasuredTable where(int column, std::string_view is) const;
   /// Rows in which a formula of the columns holds, `rate <= 0.01`. Throws std::runtime_error where it is wrong.
   MeasuredTable only(const std::string& formula) const;
-  /// The value of a formula in every row. It can name the columns whose names are identifiers: `q_kPa`, but not `q [kPa]`.
+  /// The value of a formula in every row. It can name columns whose names are identifiers: `q_kPa`, but not `q [kPa]`.
   /// Throws std::runtime_error where it is wrong.
   std::vector<double> compute(const std::string& formula) const;
   /// The cells of a column as numbers, NaN where there is none.

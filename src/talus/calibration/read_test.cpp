@@ -248,7 +248,7 @@ std::string leading_key(const Request& r) {
 using MeasuredColumns = std::map<std::string, std::vector<double>, std::less<>>;
 
 /// Throws std::runtime_error with what is wrong with the numbers.
-MeasuredColumns read_columns(const Request& request, const MeasuredTable& table) {
+MeasuredColumns columns_of(const Request& request, const MeasuredTable& table) {
   MeasuredColumns columns;
   std::vector<char> keep(table.cells.size(), 1);
   for (const Asked& asked : request.columns) {
@@ -402,7 +402,7 @@ MeasuredTest make_test(const Request& request, const MeasuredTable& table, const
   test.nominal = request.nominal;
   test.strain_rate = request.strain_rate;
   test.steady_strain = request.steady_strain;
-  const MeasuredColumns columns = read_columns(request, table);
+  const MeasuredColumns columns = columns_of(request, table);
   if (test.kind == TestKind::grain_shear) {
     set_states(request, columns, law, test);
   } else {
@@ -456,7 +456,7 @@ void expect_columns(Section& columns, const Request& r) {
   }
 }
 
-// ---- parts of an entry -----------------------------------------------------------------------------------------------
+// ---- parts of an entry ---------------------------------------------------------------------------------------------
 
 TestDrainage read_drainage(Section& s, TestKind kind) {
   const auto constant_stress_or_volume = [](int choice) {
@@ -470,7 +470,7 @@ TestDrainage read_drainage(Section& s, TestKind kind) {
   }
 }
 
-/// The rows of a table that an entry asks for, and the column that divides them into tests; empty where it says nothing.
+/// The rows of a table that an entry asks for, and the column that divides them into tests; empty by default.
 struct RowChoice {
   std::string where, is, each, only;
 };
@@ -578,7 +578,7 @@ std::map<std::string, double, std::less<>> ranges_of_volumes(const Request& requ
   for (const char* key : {"void_ratio", "solid_fraction"}) {
     if (!request.has(key)) continue;
     try {
-      const std::vector<double> values = read_columns(request, rows)[key];
+      const std::vector<double> values = columns_of(request, rows)[key];
       const auto [low, high] = std::minmax_element(values.begin(), values.end());
       ranges[key] = *high > *low ? *high - *low : *high;
     } catch (const std::runtime_error&) {
@@ -593,7 +593,7 @@ struct NamedRows {
   std::string name;
   MeasuredTable rows;
 };
-/// One test, or one for every value of the column `each`. Without a `name` they are called after what chooses their rows.
+/// One test, or one for every value of the column `each`. Without a `name`, what chooses their rows is their name.
 std::vector<NamedRows> divide(const MeasuredTable& rows, const RowChoice& choice, const std::string& name) {
   if (choice.each.empty()) {
     const std::string chosen_by = choice.is.empty() ? std::filesystem::path(rows.path).stem().string() : choice.is;
