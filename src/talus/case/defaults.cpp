@@ -75,16 +75,25 @@ std::optional<Default> default_tau(const Case& case_) {
 bool separates_from_wall(WallKind kind) { return kind == WallKind::friction || kind == WallKind::rough; }
 bool separates_from_solid(WallKind kind) { return separates_from_wall(kind) || kind == WallKind::slip; }
 
-double rough_friction(const Case& case_) {
+namespace {
+
+/// The material of which a `rough` surface is a bed: the first that has a critical friction; null if none has.
+const Material* material_of_bed(const Case& case_) {
   for (const Material& m : case_.materials)
-    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return *friction;
-  return 0;
+    if (critical_friction_of(m.law).value_or(0) != 0) return &m;
+  return nullptr;
+}
+
+}  // namespace
+
+double rough_friction(const Case& case_) {
+  const Material* bed = material_of_bed(case_);
+  return bed ? *critical_friction_of(bed->law) : 0;
 }
 
 FrictionRise rough_friction_rise(const Case& case_) {
-  for (const Material& m : case_.materials)
-    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return friction_rise_of(m.law);
-  return {};
+  const Material* bed = material_of_bed(case_);
+  return bed ? friction_rise_of(bed->law) : FrictionRise{};
 }
 
 Default default_snapshots(const Case& case_) { return {case_.end / 50, "a fiftieth of the run"}; }
