@@ -1,13 +1,27 @@
 #include "talus/output/flow_maps.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
+#include <iterator>
 #include <stdexcept>
 
 namespace talus {
 
 namespace {
+
+/// The cube root of a number above zero, to 14 digits: an estimate from the exponent, within 4 %, and Halley's iteration.
+/// Twice as fast as std::cbrt, which would be half of the cost of a map.
+double cube_root(double v) {
+  double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(v) / 3 + 0x2A9F7893782DA1CE);
+  for (int i = 0; i < 2; ++i) {
+    const double yyy = y * y * y;
+    y *= (yyy + 2 * v) / (2 * yyy + v);
+  }
+  return y;
+}
 
 /// The part of an interval that lies on a row of pixels of edge 1, of which there are n.
 struct Footprint {
@@ -97,11 +111,12 @@ void FlowMaps::gather(const FlowPoints& points) {
   volume_outside_ = 0;
 
   const double per_pixel = 1 / p.pixel;
+  std::vector<double> in_columns;  // shares of a point
   for (std::size_t i = 0; i < points.places.size(); ++i) {
     const double volume = points.volumes[i], mass = points.masses[i];
     // A thousandth of a pixel is as good as a point, and its ends differ in their bits.
-    const double half = 0.5 * std::max(std::cbrt(volume) * per_pixel, 1e-3);
-    const int most = int(std::min(2 * half, 1e6)) + 2;
+    const double half = 0.5 * std::max(cube_root(volume) * per_pixel, 1e-3);
+    const int most = int(std::min(2 * half, 1e6)) + 2;  // pixels
     const double x = (points.places[i][0] - p.corner[0]) * per_pixel,
                  y = (points.places[i][1] - p.corner[1]) * per_pixel;
     const Footprint along_x(x - half, x + half, most, p.columns), along_y(y - half, y + half, most, p.rows);
@@ -113,19 +128,22 @@ void FlowMaps::gather(const FlowPoints& points) {
       volume_outside_ += volume * (1 - along_x.share_inside() * along_y.share_inside());
     const Vec<3>& v = points.velocities[i];
     const Column whole{volume, mass, mass * v[0], mass * v[1], mass * v[2]};
+    in_columns.clear();
+    for (int c = along_x.first; c <= along_x.last; ++c) in_columns.push_back(along_x.share_of(c));
     for (int row = along_y.first; row <= along_y.last; ++row) {
       const double in_row = along_y.share_of(row);
       Stretch& touched = touched_[std::size_t(row)];
       touched.begin = std::min(touched.begin, along_x.first);
       touched.end = std::max(touched.end, along_x.last + 1);
       Column* column = &columns_[p.index(along_x.first, row)];
-      for (int c = along_x.first; c <= along_x.last; ++c, ++column) {
-        const double share = in_row * along_x.share_of(c);
+      for (const double in_column : in_columns) {
+        const double share = in_row * in_column;
         column->volume += share * whole.volume;
         column->mass += share * whole.mass;
         column->momentum_x += share * whole.momentum_x;
         column->momentum_y += share * whole.momentum_y;
         column->momentum_z += share * whole.momentum_z;
+        ++column;
       }
     }
   }
