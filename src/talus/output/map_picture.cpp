@@ -24,6 +24,8 @@ double round_length(double most) {
 
 int decimals_of(double step) { return std::max(0, -int(std::floor(std::log10(step) + 1e-9))); }
 
+std::string three_digits(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
+
 /// Lines of at most so many letters, broken between words.
 std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
   std::vector<std::string> lines{""};
@@ -126,9 +128,14 @@ class MapPage {
     view_ = view_of(picture, release_);
     const double dx = view_.high[0] - view_.low[0], dy = view_.high[1] - view_.low[1];
     scale_ = std::min(most_map_width / dx, most_map_height / dy);
+    tic_step_ = round_length(250 / scale_);
+    const int decimals = decimals_of(tic_step_);
+    letters_north_ =
+        std::max(grouped(map_y(view_.low[1]), decimals).size(), grouped(map_y(view_.high[1]), decimals).size());
+    left_ = 72 + 9 * int(letters_north_);
     map_width_ = std::max(200, int(std::lround(scale_ * dx)));
     map_height_ = std::max(120, int(std::lround(scale_ * dy)));
-    width_ = left + map_width_ + gap + panel_width + right;
+    width_ = left_ + map_width_ + gap + panel_width + right;
     height_ = top + std::max(map_height_, picture.layer ? least_height_with_layer : least_height) + bottom;
     map_top_ = height_ - top;
     if (width_ < least_width) {  // a narrow map stands in the middle of what is left of the legend
@@ -142,7 +149,7 @@ class MapPage {
     add_head();
     add_axes();
     if (picture_.layer) write_layer();
-    add_plot("shade", fmt::format("{} with rgbalpha", binary("_shade.bin", "%uchar", shade_, "(0):(0):(0):1")));
+    add_plot(fmt::format("{} with rgbalpha", binary("_shade.bin", "%uchar", shade_, "(0):(0):(0):1")));
     write_contours();
     write_outlines();
     add_panel();
@@ -154,7 +161,7 @@ class MapPage {
   }
 
  private:
-  static constexpr int left = 130, gap = 40, panel_width = 260, right = 20, top = 70, bottom = 85, least_width = 900;
+  static constexpr int gap = 40, panel_width = 260, right = 20, top = 70, bottom = 85, least_width = 900;
   static constexpr int most_map_width = 950, most_map_height = 1100, least_height = 420, least_height_with_layer = 640;
 
   std::filesystem::path file(const std::string& ending) const { return folder_ / (name_ + ending); }
@@ -165,7 +172,7 @@ class MapPage {
     return fmt::format("screen {:.5f}, screen {:.5f}", x / width_, y / height_);
   }
   void add(const std::string& line) { script_ += line + "\n"; }
-  void add_plot(const std::string&, std::string plot) { plots_.push_back(std::move(plot)); }
+  void add_plot(std::string plot) { plots_.push_back(std::move(plot)); }
   void add_text(double x, double y, const std::string& text, const std::string& how = "") {
     add(fmt::format("set label {} at {} {}", gnuplot_text(text), screen(x, y), how));
   }
@@ -190,8 +197,9 @@ class MapPage {
              fmt::format("center font ',{:.0f}'", std::clamp(1.35 * width_ / std::max(letters, 1.0), 11.0, 19.0)));
   }
 
-  std::string tics(double low, double high, double step) const {
+  std::string tics(double low, double high) const {
     std::string all;
+    const double step = tic_step_;
     for (double i = std::ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; ++i)
       all += fmt::format("{}'{}' {:.10g}", all.empty() ? "" : ", ", grouped(i * step, decimals_of(step)), i * step);
     return all;
@@ -205,12 +213,12 @@ class MapPage {
     add(fmt::format("set tmargin at screen {:.5f}\nset bmargin at screen {:.5f}", double(map_top_) / height_,
                     double(map_top_ - map_height_) / height_));
     add(fmt::format("set xrange [{:.10g}:{:.10g}]\nset yrange [{:.10g}:{:.10g}]", x0, x1, y0, y1));
-    const double step = round_length(std::max({x1 - x0, y1 - y0}) / std::max(map_width_, map_height_) * 250);
-    add(fmt::format("set xtics ({})\nset ytics ({})", tics(x0, x1, step), tics(y0, y1, step)));
+    add(fmt::format("set xtics ({})\nset ytics ({})", tics(x0, x1), tics(y0, y1)));
     add("set tics out nomirror font ',12' tc '#333333' scale 0.8\nset border 15 lc '#444444' lw 1.2");
     const char* tc = "font ',13' tc '#333333'";
     add_text(left_ + 0.5 * map_width_, map_top_ - map_height_ - 60, "East [m]", fmt::format("center {}", tc));
-    add_text(left_ - 112, map_top_ - 0.5 * map_height_, "North [m]", fmt::format("center rotate by 90 {}", tc));
+    add_text(left_ - 44 - 9 * double(letters_north_), map_top_ - 0.5 * map_height_, "North [m]",
+             fmt::format("center rotate by 90 {}", tc));
   }
 
   /// How dark the ground is in a light from the north-west at 45 degrees: an opacity of black, so that it shades whatever is
@@ -233,7 +241,8 @@ class MapPage {
           const TerrainPlace g = picture_.ground->at(x[0], x[1]);
           // The normal is (-dx, -dy, 1), the light comes from (-1/2, 1/2, sqrt(1/2)).
           const double lit = (0.5 * g.dx - 0.5 * g.dy + flat) / std::sqrt(1 + g.dx * g.dx + g.dy * g.dy);
-          dark = std::clamp(0.14 + 0.5 * (flat - lit), 0.0, 0.6);
+          // Colours keep their brightness where the ground is level, so that they are those of the scale.
+          dark = is_on_layer(x) ? std::clamp(0.45 * (flat - lit), 0.0, 0.3) : 0.2 + 0.42 * (flat - lit);
         }
         opacity += char(std::lround(255 * dark));
       }
@@ -280,7 +289,7 @@ class MapPage {
     add("set palette defined (0 '#f0f921', 1 '#fdb42f', 2 '#ed7953', 3 '#cc4778', 4 '#9c179e', 5 '#5c01a6', 6 "
         "'#0d0887')");
     add(fmt::format("set cbrange [{:.4g}:{:.4g}]", begin, *scale_end_));
-    add_plot("layer", fmt::format("{} with image pixels", binary("_layer.bin", "%float32", part, "1")));
+    add_plot(fmt::format("{} with image", binary("_layer.bin", "%float32", part, "1")));
   }
 
   /// Heights on a raster that is coarse enough for smooth lines, three pixels of the picture or the terrain's own.
@@ -310,7 +319,7 @@ class MapPage {
     std::size_t first, last;
   };
   std::vector<Gap> place_labels(const PlanLine& line, double height) {
-    const double label = (11 * double(grouped(height, decimals_of(interval_)).size()) + 14) / scale_;
+    const double label = (8 * double(grouped(height, decimals_of(interval_)).size()) + 16) / scale_;
     std::vector<double> along{0};
     for (std::size_t i = 1; i < line.size(); ++i) along.push_back(along.back() + length(line[i] - line[i - 1]));
     struct Candidate {
@@ -402,12 +411,11 @@ class MapPage {
     write_whole(file("_contours.txt"), thin);
     write_whole(file("_index_contours.txt"), thick);
     write_whole(file("_heights.txt"), labels);
-    if (thin.back() != thin[thin.size() - 2] || true)
-      add_plot("contours", fmt::format("{} with lines lw 0.8 lc '{}'", quoted("_contours.txt"), contour_colour));
-    add_plot("index", fmt::format("{} with lines lw 1.7 lc '{}'", quoted("_index_contours.txt"), contour_colour));
+    add_plot(fmt::format("{} with lines lw 0.8 lc '{}'", quoted("_contours.txt"), contour_colour));
+    add_plot(fmt::format("{} with lines lw 1.7 lc '{}'", quoted("_index_contours.txt"), contour_colour));
     if (!labels_.empty())
-      add_plot("heights", fmt::format("{} using 1:2:3:4 with labels rotate variable font ',11' tc '#3d2f22'",
-                                      quoted("_heights.txt")));
+      add_plot(
+          fmt::format("{} using 1:2:3:4 with labels rotate variable font ',11' tc '#3d2f22'", quoted("_heights.txt")));
   }
 
   void write_outlines() {
@@ -415,15 +423,15 @@ class MapPage {
       std::string text = "# outline of the release: east [m], north [m]\n";
       for (const PlanLine& line : release_) append_line(text, line, 0, line.size() - 1);
       write_whole(file("_release.txt"), text);
-      add_plot("casing", fmt::format("{} with lines lw 5 lc '#ffffff'", quoted("_release.txt")));
-      add_plot("release", fmt::format("{} with lines lw 2.5 lc '{}'", quoted("_release.txt"), release_colour));
+      add_plot(fmt::format("{} with lines lw 5 lc '#ffffff'", quoted("_release.txt")));
+      add_plot(fmt::format("{} with lines lw 2.5 lc '{}'", quoted("_release.txt"), release_colour));
     }
     if (picture_.domain) {
       const PlanBox& d = *picture_.domain;
       std::string text = "# outline of the domain: east [m], north [m]\n";
       append_line(text, {d.low, {d.high[0], d.low[1]}, d.high, {d.low[0], d.high[1]}, d.low}, 0, 4);
       write_whole(file("_domain.txt"), text);
-      add_plot("domain", fmt::format("{} with lines lw 2 dt (12,7) lc '{}'", quoted("_domain.txt"), domain_colour));
+      add_plot(fmt::format("{} with lines lw 2 dt (12,7) lc '{}'", quoted("_domain.txt"), domain_colour));
     }
   }
 
@@ -464,8 +472,18 @@ class MapPage {
                     bar / height_));
     add("set cbtics font ',12' tc '#333333' scale 0.6");
     y -= bar + 26;
-    add_text(x, y, fmt::format("largest: {:.3g} {}", *largest_, layer.unit), "font ',12' tc '#333333'");
+    add_text(x, y, fmt::format("largest: {} {}", three_digits(*largest_), layer.unit), "font ',12' tc '#333333'");
     return y - 44;
+  }
+
+  /// Whether some of the edge of a rectangle is in the view.
+  bool is_seen(const PlanBox& box) const {
+    bool overlaps = true, surrounds = true;
+    for (int a : {0, 1}) {
+      overlaps = overlaps && box.low[a] <= view_.high[a] && box.high[a] >= view_.low[a];
+      surrounds = surrounds && box.low[a] < view_.low[a] && box.high[a] > view_.high[a];
+    }
+    return overlaps && !surrounds;
   }
 
   double add_legend(double x, double y) {
@@ -476,9 +494,10 @@ class MapPage {
       y -= row;
     };
     if (!release_.empty()) entry("Release", fmt::format("lw 2.5 lc '{}'", release_colour));
-    if (picture_.domain) entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
+    if (picture_.domain && is_seen(*picture_.domain))
+      entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
     if (interval_ > 0)
-      entry(fmt::format("Contours every {:g} m", interval_), fmt::format("lw 1.2 lc '{}'", contour_colour));
+      entry(fmt::format("Height, every {:g} m", interval_), fmt::format("lw 1.2 lc '{}'", contour_colour));
     if (picture_.cell > 0) y = add_cells(x, y);
     return y - 8;
   }
@@ -536,8 +555,10 @@ class MapPage {
   std::vector<PlanLine> release_;
   PlanBox view_;
   double scale_ = 1;  ///< [pixels/m]
-  int map_width_ = 0, map_height_ = 0, width_ = 0, height_ = 0, map_top_ = 0, left_ = left;
-  double interval_ = 0;  ///< of contours [m]
+  int map_width_ = 0, map_height_ = 0, width_ = 0, height_ = 0, map_top_ = 0, left_ = 0;
+  double tic_step_ = 1;            ///< [m]
+  std::size_t letters_north_ = 0;  ///< of the longest number along the axis
+  double interval_ = 0;            ///< of contours [m]
   std::optional<double> scale_end_, largest_;
   PlanRaster shade_;  ///< without values
   std::vector<ContourLabel> labels_;
