@@ -65,9 +65,10 @@ TEST(ContourLines, TheOutlineOfAPixelSurroundsIt) {
 
 TEST(ContourLines, ThereAreTenToTwentyFiveAtRoundHeights) {
   EXPECT_DOUBLE_EQ(contour_interval(1000, 1900), 50);
-  EXPECT_DOUBLE_EQ(contour_interval(0, 250), 20);
+  EXPECT_DOUBLE_EQ(contour_interval(0, 250), 10);
   EXPECT_DOUBLE_EQ(contour_interval(0, 0.3), 0.02);
   EXPECT_EQ(contour_interval(5, 5), 0);
+  EXPECT_EQ(contour_interval(7, 7 + 1e-15), 0);
   for (double range = 0.01; range < 1e4; range *= 1.07) {
     const double n = range / contour_interval(3, 3 + range);
     EXPECT_GE(n, 10 - 1e-6);

@@ -114,12 +114,12 @@ std::vector<PlanLine> outlines_of(const PlanRaster& mask) {
 }
 
 double contour_interval(double low, double high) {
-  if (!(high > low)) return 0;
-  const double widest = (high - low) / 10;  // and a step to the next is at most 2.5
-  const double power = std::pow(10, std::floor(std::log10(widest)));
-  for (double factor : {5.0, 2.0})
-    if (factor * power <= widest) return factor * power;
-  return power;
+  if (!(high - low > 1e-9 * std::max(std::abs(low), std::abs(high)))) return 0;
+  const double least = (high - low) / 25 * (1 - 1e-9);  // and a step to the next is at most 2.5
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= least) return factor * power;
+  return 10 * power;
 }
 
 }  // namespace talus

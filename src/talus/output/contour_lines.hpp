@@ -18,7 +18,8 @@ std::vector<PlanLine> contour_lines(const PlanRaster& raster, double level);
 std::vector<PlanLine> outlines_of(const PlanRaster& mask);
 
 /// The interval of contours for heights between `low` and `high`: 1, 2 or 5 times a power of ten, so that there are 10 to
-/// 25. 0 if the ground is level.
+/// 25. 0 if the ground is level, to
+/// rounding.
 double contour_interval(double low, double high);
 
 }  // namespace talus

@@ -6,6 +6,7 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "talus/base/file.hpp"
 #include "talus/output/plot.hpp"
@@ -127,12 +128,12 @@ class MapPage {
       : folder_(png.parent_path()), name_(png.stem().string()), picture_(picture), release_(release_lines(picture)) {
     view_ = view_of(picture, release_);
     const double dx = view_.high[0] - view_.low[0], dy = view_.high[1] - view_.low[1];
-    scale_ = std::min(most_map_width / dx, most_map_height / dy);
-    tic_step_ = round_length(250 / scale_);
+    tic_step_ = round_length(250 * std::max(dx / 950, dy / most_map_height));
     const int decimals = decimals_of(tic_step_);
     letters_north_ =
         std::max(grouped(map_y(view_.low[1]), decimals).size(), grouped(map_y(view_.high[1]), decimals).size());
     left_ = 72 + 9 * int(letters_north_);
+    scale_ = std::min((most_width - left_ - gap - panel_width - right) / dx, most_map_height / dy);
     map_width_ = std::max(200, int(std::lround(scale_ * dx)));
     map_height_ = std::max(120, int(std::lround(scale_ * dy)));
     width_ = left_ + map_width_ + gap + panel_width + right;
@@ -162,7 +163,7 @@ class MapPage {
 
  private:
   static constexpr int gap = 40, panel_width = 260, right = 20, top = 70, bottom = 85, least_width = 900;
-  static constexpr int most_map_width = 950, most_map_height = 1100, least_height = 420, least_height_with_layer = 640;
+  static constexpr int most_width = 1400, most_map_height = 1100, least_height = 380, least_height_with_layer = 640;
 
   std::filesystem::path file(const std::string& ending) const { return folder_ / (name_ + ending); }
   std::string quoted(const std::string& ending) const { return gnuplot_text(name_ + ending); }
@@ -191,7 +192,7 @@ class MapPage {
     add(fmt::format("set terminal pngcairo noenhanced size {},{} font 'sans,14' background '#ffffff'", width_,
                     height_));
     add("set output " + quoted(".png"));
-    add("set encoding utf8\nset key off");
+    add("set encoding utf8\nset key off\nset clip two");
     const double letters = double(picture_.title.size());
     add_text(0.5 * width_, height_ - 34, picture_.title,
              fmt::format("center font ',{:.0f}'", std::clamp(1.35 * width_ / std::max(letters, 1.0), 11.0, 19.0)));
@@ -313,8 +314,17 @@ class MapPage {
     return v.has_pixel(column, row) && is_drawn(*picture_.layer, v.at(column, row));
   }
 
-  /// Where on a line its labels stand: where it is straight, away from others, from the frame and from colours; each as
-  /// the index of its middle point, with the points from `first` to `last` that it covers.
+  /// Whether a place is close to a line along which the domain ends.
+  bool is_on_domain(const Vec<2>& x, double distance) const {
+    if (!picture_.domain) return false;
+    for (int a : {0, 1})
+      if (std::abs(x[a] - picture_.domain->low[a]) < distance || std::abs(x[a] - picture_.domain->high[a]) < distance)
+        return true;
+    return false;
+  }
+
+  /// Where on a line its labels stand: where it is straight, away from others, from the frame and from colours; each
+  /// covers the points from `first` to `last`.
   struct Gap {
     std::size_t first, last;
   };
@@ -335,7 +345,7 @@ class MapPage {
       const double border = 0.6 * label;
       if (middle[0] - border < view_.low[0] || middle[0] + border > view_.high[0] ||
           middle[1] - border < view_.low[1] || middle[1] + border > view_.high[1] || is_on_layer(middle) ||
-          is_on_layer(line[i]) || is_on_layer(line[j]))
+          is_on_layer(line[i]) || is_on_layer(line[j]) || is_on_domain(middle, border))
         continue;
       double farthest = 0;  // of the points between from the chord
       const Vec<2> chord = line[j] - line[i];
@@ -384,14 +394,16 @@ class MapPage {
     // Every fifth line, or fourth where the interval begins with a 5, is thicker and has its height: 20 gives 100, 50 gives 200.
     const double digit = interval_ / std::pow(10, std::floor(std::log10(interval_) + 1e-9));
     const int every = digit > 4 ? 4 : 5;
-    std::string thin = "# lines of equal height: east [m], north [m]\n", thick = thin;
+    const std::string head = "# lines of equal height: east [m], north [m]\n";
+    std::string thin = head, thick = head;
     for (double i = std::ceil(low / interval_); i * interval_ <= high; ++i) {
       const double level = i * interval_;
       const bool is_thick = std::fmod(std::abs(i), every) < 0.5;
-      for (const PlanLine& line : contour_lines(z, level)) {
+      // A little lower, so that flat ground at a round height, a lake, has an edge and no pattern of rounding errors.
+      for (const PlanLine& line : contour_lines(z, level - 2e-3 * interval_)) {
         double around = 0;
         for (std::size_t k = 1; k < line.size(); ++k) around += length(line[k] - line[k - 1]);
-        if (around * scale_ < 25) continue;  // a boulder
+        if (around * scale_ < 40) continue;  // a boulder
         if (!is_thick) {
           append_line(thin, line, 0, line.size() - 1);
           continue;
@@ -408,14 +420,16 @@ class MapPage {
     for (const ContourLabel& l : labels_)
       labels += fmt::format("{:.10g} {:.10g} \"{}\" {:.1f}\n", map_x(l.place[0]), map_y(l.place[1]),
                             grouped(l.height, decimals_of(interval_)), l.angle);
-    write_whole(file("_contours.txt"), thin);
-    write_whole(file("_index_contours.txt"), thick);
+    for (const auto& [text, ending, width] :
+         {std::tuple(thin, "_contours.txt", 0.8), std::tuple(thick, "_index_contours.txt", 1.7)}) {
+      if (text == head) continue;
+      write_whole(file(ending), text);
+      add_plot(fmt::format("{} with lines lw {:g} lc '{}'", quoted(ending), width, contour_colour));
+    }
+    if (labels_.empty()) return;
     write_whole(file("_heights.txt"), labels);
-    add_plot(fmt::format("{} with lines lw 0.8 lc '{}'", quoted("_contours.txt"), contour_colour));
-    add_plot(fmt::format("{} with lines lw 1.7 lc '{}'", quoted("_index_contours.txt"), contour_colour));
-    if (!labels_.empty())
-      add_plot(
-          fmt::format("{} using 1:2:3:4 with labels rotate variable font ',11' tc '#3d2f22'", quoted("_heights.txt")));
+    add_plot(
+        fmt::format("{} using 1:2:3:4 with labels rotate variable font ',11' tc '#3d2f22'", quoted("_heights.txt")));
   }
 
   void write_outlines() {
@@ -497,7 +511,7 @@ class MapPage {
     if (picture_.domain && is_seen(*picture_.domain))
       entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
     if (interval_ > 0)
-      entry(fmt::format("Height, every {:g} m", interval_), fmt::format("lw 1.2 lc '{}'", contour_colour));
+      entry(fmt::format("Contours every {:g} m", interval_), fmt::format("lw 1.2 lc '{}'", contour_colour));
     if (picture_.cell > 0) y = add_cells(x, y);
     return y - 8;
   }
@@ -531,7 +545,7 @@ class MapPage {
 
   void add_scale_and_north(double x) {
     const double floor = map_top_ - std::max(map_height_, picture_.layer ? least_height_with_layer : least_height);
-    const double y = floor + 14, metres = round_length(200 / scale_), bar = metres * scale_;
+    const double y = floor + 14, metres = round_length(215 / scale_), bar = metres * scale_;
     add_rectangle(x, y, x + 0.5 * bar, y + 9, "#222222");
     add_rectangle(x + 0.5 * bar, y, x + bar, y + 9, "#ffffff");
     const bool is_long = metres >= 1000;
