@@ -150,7 +150,7 @@ class MapPage {
     add_head();
     add_axes();
     if (picture_.layer) write_layer();
-    add_plot(fmt::format("{} with rgbalpha", binary("_shade.bin", "%uchar", shade_, "(0):(0):(0):1")));
+    add_plot(shade_plot_);
     write_contours();
     write_outlines();
     add_panel();
@@ -179,13 +179,11 @@ class MapPage {
   }
 
   /// How gnuplot reads a raster from a binary file.
-  std::string binary(const std::string& ending, const char* format, const PlanRaster& pixels,
-                     const std::string& columns) const {
-    const Vec<2> first = pixels.middle(0, 0);
+  std::string binary(const std::string& ending, const char* format, int columns, int rows, const Vec<2>& first,
+                     const Vec<2>& pixel, const std::string& use) const {
     return fmt::format(
         "{} binary array=({},{}) format='{}' endian=little origin=({:.10g},{:.10g}) dx={:.10g} dy={:.10g} using {}",
-        quoted(ending), pixels.columns, pixels.rows, format, map_x(first[0]), map_y(first[1]), pixels.pixel,
-        pixels.pixel, columns);
+        quoted(ending), columns, rows, format, map_x(first[0]), map_y(first[1]), pixel[0], pixel[1], use);
   }
 
   void add_head() {
@@ -222,32 +220,39 @@ class MapPage {
              fmt::format("center rotate by 90 {}", tc));
   }
 
-  /// How dark the ground is in a light from the north-west at 45 degrees: an opacity of black, so that it shades whatever is
-  /// drawn below it.
+  /// The ground in a light from the north-west at 45 degrees: level ground is grey, what is turned away is covered with
+  /// black, what is turned to the light with white, each with its opacity, so that colours drawn below are shaded too.
   void write_shade() {
-    // One to two pixels of the picture each.
-    const double pixel = 1.5 / scale_;
-    shade_.corner = view_.low;
-    shade_.columns = std::max(1, int((view_.high[0] - view_.low[0]) / pixel));
-    shade_.rows = std::max(1, int((view_.high[1] - view_.low[1]) / pixel));
-    shade_.pixel =
-        std::min((view_.high[0] - view_.low[0]) / shade_.columns, (view_.high[1] - view_.low[1]) / shade_.rows);
-    const double flat = std::sqrt(0.5);
-    std::string opacity;
-    for (int row = 0; row < shade_.rows; ++row)
-      for (int column = 0; column < shade_.columns; ++column) {
-        const Vec<2> x = shade_.middle(column, row);
-        double dark = 0;
+    const double dx = view_.high[0] - view_.low[0], dy = view_.high[1] - view_.low[1];
+    const int columns = std::max(1, int(dx * scale_ / 1.5)), rows = std::max(1, int(dy * scale_ / 1.5));
+    const double level = std::sqrt(0.5);
+    std::string grey_and_opacity;
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) {
+        const Vec<2> x{view_.low[0] + (column + 0.5) / columns * dx, view_.low[1] + (row + 0.5) / rows * dy};
+        double grey = 1, opacity = 1;  // without ground: white
         if (picture_.ground->is_known(x[0], x[1])) {
           const TerrainPlace g = picture_.ground->at(x[0], x[1]);
           // The normal is (-dx, -dy, 1), the light comes from (-1/2, 1/2, sqrt(1/2)).
-          const double lit = (0.5 * g.dx - 0.5 * g.dy + flat) / std::sqrt(1 + g.dx * g.dx + g.dy * g.dy);
-          // Colours keep their brightness where the ground is level, so that they are those of the scale.
-          dark = is_on_layer(x) ? std::clamp(0.45 * (flat - lit), 0.0, 0.3) : 0.2 + 0.42 * (flat - lit);
+          const double lit = (0.5 * g.dx - 0.5 * g.dy + level) / std::sqrt(1 + g.dx * g.dx + g.dy * g.dy);
+          grey = lit > level ? 1 : 0;
+          // Colours keep their brightness in the light, so that they are those of the scale, and nearly so in the shade.
+          if (is_on_layer(x))
+            opacity = std::clamp(0.4 * (level - lit), 0.0, 0.3);
+          else
+            opacity = std::clamp(lit > level ? 2.2 * (lit - level) : 0.55 * (level - lit), 0.0, 0.65);
+        } else if (is_on_layer(x)) {
+          opacity = 0;
         }
-        opacity += char(std::lround(255 * dark));
+        grey_and_opacity += char(std::lround(255 * grey));
+        grey_and_opacity += char(std::lround(255 * opacity));
       }
-    write_whole(file("_shade.bin"), opacity);
+    write_whole(file("_shade.bin"), grey_and_opacity);
+    add("set object rectangle from graph 0, graph 0 to graph 1, graph 1 behind fs solid 1 noborder fc '#cdcdcd'");
+    shade_plot_ = binary("_shade.bin", "%uchar%uchar", columns, rows,
+                         {view_.low[0] + 0.5 * dx / columns, view_.low[1] + 0.5 * dy / rows}, {dx / columns, dy / rows},
+                         "1:1:1:2") +
+                  " with rgbalpha";
   }
 
   void write_layer() {
@@ -290,7 +295,8 @@ class MapPage {
     add("set palette defined (0 '#f0f921', 1 '#fdb42f', 2 '#ed7953', 3 '#cc4778', 4 '#9c179e', 5 '#5c01a6', 6 "
         "'#0d0887')");
     add(fmt::format("set cbrange [{:.4g}:{:.4g}]", begin, *scale_end_));
-    add_plot(fmt::format("{} with image", binary("_layer.bin", "%float32", part, "1")));
+    add_plot(fmt::format("{} with image", binary("_layer.bin", "%float32", part.columns, part.rows, part.middle(0, 0),
+                                                 {part.pixel, part.pixel}, "1")));
   }
 
   /// Heights on a raster that is coarse enough for smooth lines, three pixels of the picture or the terrain's own.
@@ -574,7 +580,7 @@ class MapPage {
   std::size_t letters_north_ = 0;  ///< of the longest number along the axis
   double interval_ = 0;            ///< of contours [m]
   std::optional<double> scale_end_, largest_;
-  PlanRaster shade_;  ///< without values
+  std::string shade_plot_;
   std::vector<ContourLabel> labels_;
   std::string script_;
   std::vector<std::string> plots_;
