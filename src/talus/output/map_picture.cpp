@@ -42,7 +42,7 @@ std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
 }
 
 /// The name of a projection: what stands first in quotes in its WKT.
-std::string name_of_projection(const std::string& wkt) {
+std::string title_in_wkt(const std::string& wkt) {
   const std::size_t begin = wkt.find('"'), end = wkt.find('"', begin + 1);
   return end == std::string::npos ? "" : wkt.substr(begin + 1, end - begin - 1);
 }
@@ -75,7 +75,7 @@ std::vector<PlanLine> release_lines(const MapPicture& picture) {
 }
 
 /// What is shown: never beyond the terrain, and no narrow strip.
-PlanBox view_of(const MapPicture& picture, const std::vector<PlanLine>& release) {
+PlanBox part_to_show(const MapPicture& picture, const std::vector<PlanLine>& release) {
   const PlanRaster& heights = picture.ground->heights();
   const PlanBox whole{heights.corner, heights.far_corner()};
   GrowingBox shown;
@@ -126,7 +126,7 @@ class MapPage {
  public:
   MapPage(const std::filesystem::path& png, const MapPicture& picture)
       : folder_(png.parent_path()), name_(png.stem().string()), picture_(picture), release_(release_lines(picture)) {
-    view_ = view_of(picture, release_);
+    view_ = part_to_show(picture, release_);
     const double dx = view_.high[0] - view_.low[0], dy = view_.high[1] - view_.low[1];
     tic_step_ = round_length(250 * std::max(dx / 950, dy / most_map_height));
     const int decimals = decimals_of(tic_step_);
@@ -544,7 +544,7 @@ class MapPage {
 
   std::vector<std::string> notes() const {
     std::vector<std::string> all = picture_.notes;
-    const std::string projection = name_of_projection(picture_.frame.projection);
+    const std::string projection = title_in_wkt(picture_.frame.projection);
     if (!projection.empty()) all.push_back(projection);
     return all;
   }
