@@ -4,18 +4,20 @@
 /// How points become maps. The volume of a point is spread evenly over the square of its own width V^(1/3) around it in
 /// plan. All that lies above a pixel is one column, also where material flies above other material. Of a column:
 ///   vertical thickness  volume / area of the pixel
-///   thickness           normal to the ground: vertical thickness times the cosine of the ground's slope, at the pixel's middle
+///   thickness           normal to the ground: vertical thickness times the cosine of the ground's slope, in the
+///                       middle of the pixel
 ///   velocity            mean, weighted with mass; the speed is its length
-///   dynamic pressure    rho v^2, with rho = mass / volume of the column and its speed v (no factor 1/2, as in AvaFrame)
-/// Speed, pressure and arrival are known only where the vertical thickness exceeds a limit: a few particles thrown ahead are
-/// no flow.
+///   dynamic pressure    rho v^2 of the mean speed v, with rho = mass / volume of the column; no factor 1/2, as in AvaFrame
+/// Speed, pressure and arrival are known only where the vertical thickness exceeds a limit: a few particles thrown
+/// ahead are no flow.
 ///
-/// Kyburz and Gaume (2025, NHESS 25, 3897) bring scattered points of a three-dimensional material point method onto a raster
-/// for the same purpose, with vertical depth kept apart from thickness normal to the slope, and velocities averaged over the
-/// depth. We differ in three ways. Thickness is volume over area, not a distance between heights: maps conserve volume, a
-/// particle thrown up does not make a flow thicker, and the gap below a flow that has left the ground does not count; where
-/// it has left the ground is not told. Speed is that of the mean velocity, not split into parts parallel and normal to the
-/// slope. And a point covers an area, so that pixels may be smaller than the points are far apart.
+/// Kyburz and Gaume (2025, NHESS 25, 3897) bring scattered points of a three-dimensional material point method onto a
+/// raster for the same purpose, with vertical depth kept apart from thickness normal to the slope, and velocities
+/// averaged over the depth. We differ in three ways. Thickness is volume over area, not a distance between heights:
+/// maps conserve volume, a particle thrown up does not make a flow thicker, and the gap below a flow that has left the
+/// ground does not count; where it has left the ground is not told. Speed is that of the mean velocity, not split into
+/// parts parallel and normal to the slope. And a point covers an area, so that pixels may be smaller than the points
+/// are far apart.
 ///
 /// Where material is stretched along the ground until its points are farther apart than they are wide, there are gaps
 /// between their squares; pixels should be as wide as the cells of the run.

@@ -236,7 +236,8 @@ class MapPage {
           // The normal is (-dx, -dy, 1), the light comes from (-1/2, 1/2, sqrt(1/2)).
           const double lit = (0.5 * g.dx - 0.5 * g.dy + level) / std::sqrt(1 + g.dx * g.dx + g.dy * g.dy);
           grey = lit > level ? 1 : 0;
-          // Colours keep their brightness in the light, so that they are those of the scale, and nearly so in the shade.
+          // Colours keep their brightness in the light, so that they are those of the scale, and nearly so in the
+          // shade.
           if (is_on_layer(x))
             opacity = std::clamp(0.4 * (level - lit), 0.0, 0.3);
           else
@@ -397,7 +398,8 @@ class MapPage {
       }
     interval_ = contour_interval(low, high);
     if (!(interval_ > 0)) return;
-    // Every fifth line, or fourth where the interval begins with a 5, is thicker and has its height: 20 gives 100, 50 gives 200.
+    // Every fifth line, or fourth where the interval begins with a 5, is thicker and has its height: 20 gives 100, 50
+    // gives 200.
     const double digit = interval_ / std::pow(10, std::floor(std::log10(interval_) + 1e-9));
     const int every = digit > 4 ? 4 : 5;
     const std::string head = "# lines of equal height: east [m], north [m]\n";

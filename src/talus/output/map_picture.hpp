@@ -35,13 +35,13 @@ struct MapPicture {
   std::optional<PlanBox> domain;           ///< of the run
   double cell = 0;                         ///< edge of the run's cells [m]; 0: not shown
   std::vector<std::string> notes;          ///< short lines beside the map
-  /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain, with a
-  /// margin.
+  /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain,
+  /// with a margin.
   std::optional<PlanBox> view;
 };
 
-/// Draws NAME.png, 1400 pixels wide at most, with its script NAME.gp and its data NAME_*.bin and NAME_*.txt beside it. False
-/// if gnuplot is not installed; throws std::runtime_error if it fails or a file cannot be written.
+/// Draws NAME.png, 1400 pixels wide at most, with its script NAME.gp and its data NAME_*.bin and NAME_*.txt beside it.
+/// False if gnuplot is not installed; throws std::runtime_error if it fails or a file cannot be written.
 bool draw_map(const std::filesystem::path& png, const MapPicture& picture);
 
 /// A number with its digits in groups of three, as on maps: "1 234 500".
