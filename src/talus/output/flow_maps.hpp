@@ -7,7 +7,7 @@
 ///   thickness           normal to the ground: vertical thickness times the cosine of the ground's slope, in the
 ///                       middle of the pixel
 ///   velocity            mean, weighted with mass; the speed is its length
-///   dynamic pressure    rho v^2 of the mean speed v, with rho = mass / volume of the column; no factor 1/2, as in AvaFrame
+///   dynamic pressure    rho v^2, with rho = mass / volume of the column and v its speed; no factor 1/2, as in AvaFrame
 /// Speed, pressure and arrival are known only where the vertical thickness exceeds a limit: a few particles thrown
 /// ahead are no flow.
 ///
