@@ -78,11 +78,11 @@ class Header {
     PlanRaster raster;
     raster.pixel = cell_size();
     const double columns = count("ncols"), rows = count("nrows");
-    if (columns * rows > most_pixels)
+    if (columns * rows > most_raster_pixels)
       fail(
           fmt::format(" has {} x {} pixels, and at most {} are read; cut out the part that the run needs: "
                       "gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT",
-                      columns, rows, most_pixels));
+                      columns, rows, most_raster_pixels));
     raster.columns = int(columns);
     raster.rows = int(rows);
     raster.corner = {lower_left("xll", raster.pixel), lower_left("yll", raster.pixel)};

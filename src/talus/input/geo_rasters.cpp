@@ -21,7 +21,7 @@ namespace talus {
 
 namespace {
 
-constexpr const char* cut = "gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT";
+constexpr const char* how_to_crop = "gdal_translate -projwin WEST NORTH EAST SOUTH IN OUT";
 
 /// The deepest and the highest place of the Earth, rounded outwards [m].
 constexpr double lowest_ground = -12000, highest_ground = 9000;
@@ -64,10 +64,10 @@ void expect_units(GDALRasterBand& band, const OGRSpatialReference& projection, d
 /// Square pixels with rows from the south, or an exception. `down`: whether the file's rows begin in the north.
 PlanRaster pixels_of(GDALDataset& data, const std::string& path, bool& down) {
   const int columns = data.GetRasterXSize(), rows = data.GetRasterYSize();
-  if (double(columns) * rows > most_pixels)
+  if (double(columns) * rows > most_raster_pixels)
     throw std::runtime_error(
         fmt::format("{} has {} x {} pixels, and at most {} are read; cut out the part that the run needs: {}", path,
-                    columns, rows, most_pixels, cut));
+                    columns, rows, most_raster_pixels, how_to_crop));
   std::array<double, 6> t{};  // x = t0 + t1 column + t2 row, y = t3 + t4 column + t5 row
   if (data.GetGeoTransform(t.data()) != CE_None)
     throw std::runtime_error(fmt::format(
@@ -189,7 +189,7 @@ void finish(PlanRaster& raster, double metres_per_unit, RasterContent content, c
 }  // namespace
 
 GeoRaster read_geo_raster(const std::string& path, double metres_per_unit, RasterContent content) {
-  expect_geodata(path, cut);
+  expect_geodata(path, how_to_crop);
   const bool tiff = is_tiff(path);
   if (!tiff && !looks_like_ascii_raster(path))
     throw std::runtime_error(fmt::format(

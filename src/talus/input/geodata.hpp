@@ -14,7 +14,7 @@ namespace talus {
 
 /// Bytes of a file of geodata, and pixels of a raster, that are read at most.
 inline constexpr std::uintmax_t most_geodata_bytes = std::uintmax_t(2) << 30;
-inline constexpr double most_pixels = 1 << 28;
+inline constexpr double most_raster_pixels = 1 << 28;
 
 /// A raster of the map, in the coordinates of its projection.
 struct GeoRaster {

@@ -2,9 +2,13 @@
 /// Where nodes meet walls that rub or let go, and rigid solids. What contacts do is in kernel/contact.hpp.
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
+#include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -27,10 +31,10 @@ class ContactFinder {
 
   const std::vector<Solid>& solids() const { return solids_; }
 
-  /// Tiles have new numbers: forgets what is known of their nodes.
-  void number_tiles(int n_tiles) {
-    for (std::size_t s = 0; s < solids_.size(); ++s)
-      if (is_ground(solids_[s])) ground_[s].assign(std::size_t(n_tiles), {});
+  /// Tiles have new numbers: finds again what is known of their nodes.
+  void number_tiles(std::span<const Tile<Dim>> tiles) {
+    for (std::size_t n = 0; n < solids_.size(); ++n)
+      if (is_ground(solids_[n])) ground_[n].number_tiles(tiles);
   }
 
   /// What may be left of a displacement of a point within a cell of solids: nothing that goes into one.
@@ -100,71 +104,92 @@ class ContactFinder {
 
  private:
   static constexpr int n_nodes = power(tile_edge, Dim);
+  static double mass_at(const MassMomentum* momentum, int tile, int node) {
+    return momentum[std::size_t(tile) * n_nodes + std::size_t(node)].mass;
+  }
   static bool is_ground(const Solid& solid) { return std::holds_alternative<Ground>(solid.shape); }
 
-  /// The nodes of a tile and those up to `column_reach` below and above it, seen from ground that rests: found once and
-  /// kept as long as tiles keep their numbers. `far` from the ground no node meets it.
-  struct GroundNodes {
-    bool known = false, far = false;
-    std::vector<Nearness> nodes;
-  };
-  static constexpr int column_reach = 2, column_nodes = tile_edge + 2 * column_reach;
-  static constexpr int n_across = power(tile_edge, Dim - 1);
+  /// Nodes so deep below ground carry nothing: what lies on it is less than two cells away along each axis.
+  static constexpr double deepest = 3.5;
 
-  const GroundNodes& ground_of_tile(const Tile<Dim>& tile, int t, int number) {
-    GroundNodes& ground = ground_[std::size_t(number)][std::size_t(t)];
-    if (ground.known) return ground;
-    ground.known = true;
+  /// The nodes of a tile that are the ground's, or may be: all that material on it may touch.
+  struct GroundTile {
+    struct Node {
+      int node;
+      Vec<3> normal;
+    };
+    std::vector<Node> nodes;
+    /// Which nodes of each column are the ground's, a bit a layer, from `column_reach` layers below the tile to as many above.
+    std::array<unsigned, power(tile_edge, Dim - 1)> columns{};
+  };
+  static constexpr int column_reach = 2;
+
+  /// What is known of ground that rests, tile by tile. Each tile's is found once, by the thread that has the tile.
+  struct GroundTiles {
+    std::map<Index<Dim>, std::unique_ptr<GroundTile>> at;
+    std::vector<std::unique_ptr<GroundTile>*> of_tile;
+
+    void number_tiles(std::span<const Tile<Dim>> tiles) {
+      if (at.size() > 2 * tiles.size() + 1000) {
+        decltype(at) kept;
+        for (const Tile<Dim>& tile : tiles)
+          if (const auto found = at.find(tile.place); found != at.end()) kept.insert(at.extract(found));
+        at = std::move(kept);
+      }
+      of_tile.clear();
+      for (const Tile<Dim>& tile : tiles) of_tile.push_back(&at[tile.place]);
+    }
+  };
+
+  const GroundTile& ground_of_tile(const Tile<Dim>& tile, int t, int number) {
+    std::unique_ptr<GroundTile>& ground = *ground_[std::size_t(number)].of_tile[std::size_t(t)];
+    if (ground) return *ground;
+    ground = std::make_unique<GroundTile>();
     const SolidShape& shape = solids_[std::size_t(number)].shape;
     const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
-    ground.far = nearness(shape, place_of(tile.place, 0.5 * (tile_edge - 1)), Dim).distance > reach;
-    if (ground.far) return ground;
-    ground.nodes.reserve(std::size_t(n_across * column_nodes));
+    if (nearness(shape, place_of(tile.place, 0.5 * (tile_edge - 1)), Dim).distance > reach) return *ground;
+    constexpr int n_across = power(tile_edge, Dim - 1);
     for (int layer = -column_reach; layer < tile_edge + column_reach; ++layer)
       for (int n = 0; n < n_across; ++n) {
         Index<Dim> node = global_node<Dim>(tile.place, n);
         node[Dim - 1] += layer;
-        ground.nodes.push_back(nearness(shape, place_of(node), Dim));
+        const Nearness near = nearness(shape, place_of(node), Dim);
+        if (near.distance > margin * domain_.h || near.distance < -deepest * domain_.h) continue;
+        ground->columns[std::size_t(n)] |= 1u << (layer + column_reach);
+        if (layer >= 0 && layer < tile_edge) ground->nodes.push_back({n + layer * n_across, near.normal});
       }
-    return ground;
+    return *ground;
   }
 
   /// A terrain is met from above alone, so the normal of its nearest place is always the right one.
   template <class Counts>
   void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int number, Counts counts,
                       std::vector<NodeContact>& found) {
-    const GroundNodes& ground = ground_of_tile(tiles[t], t, number);
-    if (ground.far) return;
-    for (int node = 0; node < n_nodes; ++node) {
-      const Nearness& near = ground.nodes[std::size_t(node + column_reach * n_across)];
-      if (near.distance > margin * domain_.h || !counts(node)) continue;
+    const GroundTile& ground = ground_of_tile(tiles[t], t, number);
+    for (const auto& [node, normal] : ground.nodes) {
+      if (!counts(node)) continue;
       const Wall& surface = solids_[std::size_t(number)].contact_at(place_of(global_node<Dim>(tiles[t].place, node)));
-      found.push_back({node, surface, near.normal, {}, number});
-      if (surface.xi > 0) found.back().drag = drag_at(tiles, momentum, t, node, ground, near.normal, surface.xi);
+      found.push_back({node, surface, normal, {}, number});
+      if (surface.xi > 0) found.back().drag = drag_at(tiles, momentum, t, node, ground, normal, surface.xi);
     }
   }
 
   /// What turbulent friction slows a node by [1/m]: rho g/xi times the area of the ground under a column of nodes, over the
-  /// mass of those that meet it.
-  double drag_at(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node, const GroundNodes& ground,
+  /// mass of those that are the ground's.
+  double drag_at(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node, const GroundTile& ground,
                  const Vec<3>& normal, double xi) const {
-    const Index<Dim> own = unflatten<Dim>(node, tile_edge);
+    constexpr int n_across = power(tile_edge, Dim - 1);
+    const int column = node % n_across, own_layer = node / n_across;
     double mass = 0;
-    for (int k = -column_reach; k <= column_reach; ++k) {
-      const int layer = own[Dim - 1] + k;
-      if (ground.nodes[std::size_t(node + (k + column_reach) * n_across)].distance > margin * domain_.h) continue;
-      Index<Dim> i = own, to{};
+    for (int layer = own_layer - column_reach; layer <= own_layer + column_reach; ++layer) {
+      if (!(ground.columns[std::size_t(column)] >> (layer + column_reach) & 1u)) continue;
+      Index<Dim> to{};
       to[Dim - 1] = layer < 0 ? -1 : layer >= tile_edge ? 1 : 0;
-      i[Dim - 1] = layer - tile_edge * to[Dim - 1];
       const int other = tiles[t].neighbours[neighbour_at<Dim>(to)];
-      if (other >= 0) mass += mass_at(momentum, other, flatten<Dim>(i, tile_edge));
+      if (other >= 0) mass += mass_at(momentum, other, column + (layer - tile_edge * to[Dim - 1]) * n_across);
     }
     const double area = std::pow(domain_.h, Dim - 1) / normal[Dim - 1];
     return unit_weight_ / xi * area / mass;
-  }
-
-  static double mass_at(const MassMomentum* momentum, int tile, int node) {
-    return momentum[std::size_t(tile) * n_nodes + std::size_t(node)].mass;
   }
 
   /// In cells: what rounding may make of a place, and what is next to one.
@@ -282,7 +307,7 @@ class ContactFinder {
   Domain<Dim> domain_;
   std::vector<Solid> solids_;
   double unit_weight_;
-  std::vector<std::vector<GroundNodes>> ground_;  ///< of each solid that is ground, one a tile
+  std::vector<GroundTiles> ground_;  ///< one a solid, of those that are ground
   bool any_ = false;
 };
 
