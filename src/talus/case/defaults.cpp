@@ -60,7 +60,7 @@ Default default_cfl(ShapeFunction shape) {
 
 double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_cfl(numerics.shape_function).value); }
 
-std::optional<Default> default_tau(const Case& case_) {
+double time_of_fall(const Case& case_) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const BodySpec& b : case_.bodies) {
     const Box box = bounding_box(b.region, case_.dim);
@@ -68,8 +68,13 @@ std::optional<Default> default_tau(const Case& case_) {
     high = std::max(high, box.max[case_.dim - 1]);
   }
   const double g = std::sqrt(dot(case_.gravity, case_.gravity));
-  if (!(g > 0 && high > low)) return std::nullopt;
-  return Default{0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies"};
+  return g > 0 && high > low ? std::sqrt((high - low) / g) : 0;
+}
+
+std::optional<Default> default_tau(const Case& case_) {
+  const double fall = time_of_fall(case_);
+  if (!(fall > 0)) return std::nullopt;
+  return Default{0.08 * fall, "0.08 sqrt(H/g), with the height H of all bodies"};
 }
 
 bool separates_from_wall(WallKind kind) { return kind == WallKind::friction || kind == WallKind::rough; }
@@ -115,6 +120,24 @@ Default default_front_thickness(const Case& case_) {
   if (grain > 0) return {grain, "a grain"};
   return {particle, "a particle at the start"};
 }
+
+Default default_map_interval(const Case& case_) {
+  const Terrain& ground = *case_.map->ground;
+  const double fall = ground.highest() - ground.lowest(), g = std::sqrt(dot(case_.gravity, case_.gravity));
+  const double speed = std::sqrt(2 * g * fall);
+  const double pixel = case_.output.maps.pixel.value_or(ground.heights().pixel);
+  if (!(speed > 0)) return {case_.end / 1000, "a thousandth of the run"};
+  return {std::max(pixel / speed, case_.end / 10000),
+          "in which what has fallen from the highest to the lowest place crosses a pixel"};
+}
+
+Default default_least_thickness(const Case& case_) {
+  double widest = 0;
+  for (const BodySpec& b : case_.bodies) widest = std::max(widest, largest_particle(b, case_.dim));
+  return {widest / 4, "a quarter of a particle at the start"};
+}
+
+Default default_map_pixel(const Case& case_) { return {case_.map->ground->heights().pixel, "that of the terrain"}; }
 
 std::vector<double> default_pictures(const Case& case_) {
   std::vector<double> instants;

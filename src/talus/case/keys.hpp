@@ -60,11 +60,23 @@ inline constexpr Parameter stiffness_factor{
 // [run]
 inline constexpr Parameter end{"end", "s", Range::positive(), "simulated time at which the run ends"};
 
+inline constexpr Parameter stop_below{
+    "stop_below",
+    "1",
+    {0, 1, true, false},
+    "share of the largest kinetic energy so far below which the run ends; without it, at `end`"};
+
 // [output]
 inline constexpr Parameter snapshots{"snapshots", "s", Range::positive(), "time between snapshots"};
 inline constexpr Parameter history{"history", "s", Range::positive(), "time between rows of history.csv"};
 inline constexpr Parameter front_thickness{"front_thickness", "m", Range::positive(),
                                            "how thick the deposit is where it ends: fronts are there"};
+// [output.maps]
+inline constexpr Parameter map_interval{"interval", "s", Range::positive(),
+                                        "time between the instants that peaks are of"};
+inline constexpr Parameter least_thickness{"least_thickness", "m", Range::positive(),
+                                           "upright thickness from which on speed and arrival are told"};
+inline constexpr Parameter map_pixel{"pixel", "m", Range::positive(), "edge of the maps' pixels"};
 /// Of a run until `end`; one of unknown length is not held against anything.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),

@@ -11,7 +11,7 @@ namespace {
 constexpr Text title_of_case{"title", "what the case is, in one line"};
 
 const Declaration& run_declaration() {
-  static const Declaration d("[run]", {required(keys::end)});
+  static const Declaration d("[run]", {required(keys::end), optional(keys::stop_below)});
   return d;
 }
 constexpr Table run_table{"run", "how long", run_declaration};
@@ -41,6 +41,7 @@ Case understand_case(Document& document, const std::string& folder) {
   const bool is_right_so_far = document.is_right();
   Section run = root.section(run_table);
   case_.end = run.number(keys::end);
+  case_.stop_below = run.optional_number(keys::stop_below).value_or(0);
   run.close();
   read_output(root, case_);
   root.close();

@@ -76,6 +76,7 @@ class Simulation {
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;
+  virtual FlowPoints flow() const = 0;
   /// Of all tiles that hold such material, in the order of their places.
   virtual std::vector<TilePressure> pressures() const = 0;
   /// Everything about one particle, a line a quantity.

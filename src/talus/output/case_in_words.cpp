@@ -35,12 +35,12 @@ std::string size_of(const Box& box, int dim) {
 
 std::string body_in_words(const Case& case_, const BodySpec& body) {
   const Material& material = case_.materials[body.material];
-  const char* shape = std::holds_alternative<Cylinder>(body.region)    ? "cylinder"
-                      : std::holds_alternative<Polygon>(body.region)   ? "polygon"
-                      : std::holds_alternative<Raster>(body.region)    ? "picture"
-                      : std::holds_alternative<PointList>(body.region) ? "list of points"
+  const char* shape = std::holds_alternative<Cylinder>(body.region)       ? "cylinder"
+                      : std::holds_alternative<Polygon>(body.region)      ? "polygon"
+                      : std::holds_alternative<Raster>(body.region)       ? "picture"
+                      : std::holds_alternative<PointList>(body.region)    ? "list of points"
                       : std::holds_alternative<SurfaceLayer>(body.region) ? "layer on the ground"
-                                                                       : "box";
+                                                                          : "box";
   const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
   return fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
                      size_of(bounding_box(body.region, case_.dim), case_.dim), material.name,

@@ -20,6 +20,7 @@ Json run_in_json(const RunSummary& run) {
                       : run.stopped        ? "stopped"
                                            : "finished"},
           {"failure", run.failure},
+          {"came_to_rest", run.came_to_rest},
           {"particles", run.n_particles},
           {"steps", run.ledger.step},
           {"simulated_seconds", run.ledger.time},

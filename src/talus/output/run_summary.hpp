@@ -27,6 +27,7 @@ struct RunSummary {
   int n_snapshots = 0;
   std::string failure;             ///< reason the run failed; empty if it did not
   bool stopped = false;            ///< by the user, before its end
+  bool came_to_rest = false;       ///< ended before its end, because its kinetic energy had fallen so far
   std::vector<double> resumed_at;  ///< times from which it was resumed [s]
   std::vector<std::string> warnings;
 };
