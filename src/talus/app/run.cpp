@@ -59,7 +59,7 @@ class Run {
   std::unique_ptr<Simulation> simulation_;
   OutlineFinder outlines_;
   RunSummary summary_;
-  FlowPoints final_flow_;  ///< of a run on terrain
+  std::vector<Picture> map_pictures_;  ///< of a run on terrain
   Recorder recorder_;
   Progress progress_;
   std::optional<Failure> failure_;
@@ -180,7 +180,11 @@ void Run::complete_summary() {
   summary_.ledger = simulation_->ledger();
   summary_.tally = simulation_->tally();
   summary_.end = outlines_.find(simulation_->places());
-  if (recorder_.maps().any()) final_flow_ = simulation_->flow();
+  if (recorder_.maps().any()) {
+    MapsAtEnd maps = recorder_.maps().write(summary_.ledger.time, simulation_->flow());
+    map_pictures_ = std::move(maps.pictures);
+    summary_.runout = maps.runout;
+  }
   summary_.came_to_rest = recorder_.has_come_to_rest(*simulation_) && simulation_->ledger().time < case_.end;
   summary_.noise = recorder_.noise().shares();
   summary_.bytes = simulation_->bytes();
@@ -209,9 +213,11 @@ int Run::stopped_by(int signal) const {
 void Run::write_results() {
   const fs::path& folder = task_.folder;
   std::vector<Picture> drawn = recorder_.pictures().draw();
-  const std::vector<Picture> maps = recorder_.maps().write(summary_.ledger.time, final_flow_);
-  drawn.insert(drawn.begin(), maps.begin(), maps.end());
-  const std::vector<Chart> charts = charts_of(recorder_.history(), length_unit_for(extent(case_)));
+  std::vector<Chart> charts = charts_of(recorder_.history(), length_unit_for(extent(case_)));
+  if (case_.map) {
+    std::erase_if(charts, [](const Chart& chart) { return chart.name == "front" || chart.name == "height"; });
+    drawn = map_pictures_;
+  }
   if (!drawn.empty())
     for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
   write_report(folder, case_, summary_, drawn, charts);

@@ -99,6 +99,15 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   add_ledger(run.ledger, record);
   if (run.noise)
     record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};
+  if (run.runout)
+    record["maps"] = {{"released_cubic_metre", run.runout->released},
+                      {"deposited_cubic_metre", run.runout->deposited},
+                      {"area_square_metre", run.runout->area},
+                      {"drop_metre", run.runout->drop},
+                      {"length_metre", run.runout->length},
+                      {"farthest_east_north_metre", {run.runout->farthest[0], run.runout->farthest[1]}},
+                      {"peak_thickness_metre", run.runout->thickness},
+                      {"peak_speed_metre_per_second", run.runout->speed}};
   record["time_step"] = time_step_in_json(run.tally);
   record["outline_metre"] = {{"start", outline_in_json(run.start)}, {"end", outline_in_json(run.end)}};
   write_whole(file, record.dump(2) + "\n");

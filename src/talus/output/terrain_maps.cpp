@@ -104,9 +104,42 @@ void TerrainMaps::write_instant(double time, const FlowPoints& points) {
   write_raster_of("speed_" + at, map.speed, "m/s", "Speed");
 }
 
-std::vector<Picture> TerrainMaps::write(double time, const FlowPoints& points) {
-  std::vector<Picture> drawn;
-  if (!maps_) return drawn;
+Runout TerrainMaps::runout(const FlowMap& end) const {
+  Runout out;
+  const PlanRaster &peak = maps_->peak_speed(), release = release_of(case_);
+  const double area = peak.pixel * peak.pixel;
+  Vec<2> top{};
+  double top_height = -INFINITY;
+  for (int row = 0; row < peak.rows; ++row)
+    for (int column = 0; column < peak.columns; ++column) {
+      out.released += release.at(column, row) * area;
+      out.deposited += end.vertical_thickness.at(column, row) * area;
+      out.thickness = std::max(out.thickness, maps_->peak_thickness().at(column, row));
+      const Vec<2> at = peak.middle(column, row);
+      const double height = case_.map->ground->at(at[0], at[1]).height;
+      if (release.at(column, row) > 0 && height > top_height) {
+        top = at;
+        top_height = height;
+      }
+    }
+  for (int row = 0; row < peak.rows; ++row)
+    for (int column = 0; column < peak.columns; ++column) {
+      if (!peak.has(column, row)) continue;
+      out.area += area;
+      out.speed = std::max(out.speed, peak.at(column, row));
+      const Vec<2> at = peak.middle(column, row), way = at - top;
+      if (const double length = std::sqrt(dot(way, way)); length > out.length) {
+        out.length = length;
+        out.drop = top_height - case_.map->ground->at(at[0], at[1]).height;
+        out.farthest = at + case_.map->frame.origin;
+      }
+    }
+  return out;
+}
+
+MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
+  MapsAtEnd result;
+  if (!maps_) return result;
   const FlowMap end = maps_->now(points);
   const double least = *case_.output.maps.least_thickness;
   struct Map {
@@ -125,9 +158,10 @@ std::vector<Picture> TerrainMaps::write(double time, const FlowPoints& points) {
     picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to};
     picture.notes = {fmt::format("until {:.1f} s", time)};
     const fs::path png = folder_ / fmt::format("{}.png", map.what);
-    if (draw_map(png, picture)) drawn.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});
+    if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});
   }
-  return drawn;
+  result.runout = runout(end);
+  return result;
 }
 
 bool draw_case_map(const fs::path& png, const Case& case_) {

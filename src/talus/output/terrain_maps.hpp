@@ -19,6 +19,22 @@ PlanRaster pixels_of_maps(const Case& case_);
 /// What is released onto the ground of a case: upright thickness on the pixels of its maps [m].
 PlanRaster release_of(const Case& case_);
 
+/// What the maps of a run say in numbers.
+struct Runout {
+  double released = 0, deposited = 0;  ///< volume [m3]; what is spray counts by the loosest packing there may be
+  double area = 0;                     ///< in plan, where flow has been [m2]
+  double drop = 0, length = 0;  ///< from the highest place of the release to the farthest that flow has reached [m]
+  Vec<2> farthest{};            ///< that place, on the map [m]
+  double thickness = 0;         ///< largest of all [m], normal to the ground
+  double speed = 0;             ///< largest of all [m/s]
+};
+
+/// Maps and their numbers at the end of a run.
+struct MapsAtEnd {
+  std::vector<Picture> pictures;  ///< none without gnuplot
+  Runout runout;
+};
+
 /// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
 /// body, a number made of the case, and pft (peak flow thickness, m), pfv (peak flow velocity, m/s), ppr (peak pressure,
 /// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
@@ -37,12 +53,13 @@ class TerrainMaps {
 
   /// Thickness and speed at an instant as rasters.
   void write_instant(double time, const FlowPoints& points);
-  /// Peaks, arrival and deposit as rasters and pictures, at the end of a run. Returns the pictures, none without gnuplot.
-  std::vector<Picture> write(double time, const FlowPoints& points);
+  /// Peaks, arrival and deposit as rasters and pictures, at the end of a run.
+  MapsAtEnd write(double time, const FlowPoints& points);
 
   bool any() const { return maps_.has_value(); }
 
  private:
+  Runout runout(const FlowMap& end) const;
   void write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
                        const std::string& meaning) const;
 
