@@ -51,6 +51,14 @@ PlanRaster covered_by(const GeoPolygons& outlines, const PlanRaster& pixels) {
   return sum;
 }
 
+/// Whether polygons reach beyond a raster; `covered` is the share of its pixels that they cover.
+bool is_beyond(const GeoPolygons& outlines, const PlanRaster& covered) {
+  double whole = 0, here = 0;
+  for (const GeoPolygon& polygon : outlines.polygons) whole += area(polygon);
+  for (const double share : covered.values) here += share * covered.pixel * covered.pixel;
+  return here < (1 - 1e-6) * whole;
+}
+
 // ---- what the user gave ------------------------------------------------------------------------------------------
 
 /// Converts what an attribute says of each polygon into m.
@@ -88,6 +96,9 @@ void check_raster(Section& s, const MapFrame& frame, Release& release) {
   const char* key = is_top ? "top" : "raster";
   const PlanRaster inside = release.outlines ? covered_by(*release.outlines, t) : t;
   std::string fault;
+  if (release.outlines && is_beyond(*release.outlines, inside))
+    fault = fmt::format("does not cover the polygons; it reaches from {} to {}", on_map(t.corner, frame),
+                        on_map(t.far_corner(), frame));
   for_each_pixel(t, [&](int column, int row) {
     double& here = t.at(column, row);
     if (release.outlines && !(inside.at(column, row) > 0.5)) here = std::max(here, 0.0);
@@ -99,8 +110,8 @@ void check_raster(Section& s, const MapFrame& frame, Release& release) {
       fault = fmt::format("lies {} below the terrain at {}; raise it to the terrain where nothing is released{}",
                           with_unit(-here, "m"), at, release.outlines ? "" : ", or name `polygons`");
     else if (here < 0 || here > most_thickness)
-      fault = fmt::format("means a thickness of {} at {}; it must be between 0 and {}", with_unit(here, "m"), at,
-                          with_unit(most_thickness, "m"));
+      fault = fmt::format("means a thickness of {} at {}; it must be {}", with_unit(here, "m"), at,
+                          in_words(Range::between(0, most_thickness), "m"));
   });
   if (!fault.empty()) s.complain(key, fault);
 }
@@ -263,6 +274,36 @@ std::string fault_of(const Layer& layer, const MapOfCase& map) {
   return any ? fault : "has no volume: its thickness is 0 everywhere";
 }
 
+/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too: the
+/// pixels along a border that two releases have in common belong to both.
+std::optional<Vec<2>> overlap(const SurfaceLayer& a, const SurfaceLayer& b) {
+  const double apart = std::max(a.thickness.pixel, b.thickness.pixel);
+  const auto has_both = [&](const Vec<2>& x) {
+    const auto is_on = [&](const PlanRaster& t) {
+      const int column = t.column_of(x[0]), row = t.row_of(x[1]);
+      return t.has(column, row) && t.at(column, row) > 0;
+    };
+    return is_on(a.thickness) && is_on(b.thickness);
+  };
+  std::optional<Vec<2>> place;
+  for_each_pixel(a.thickness, [&](int column, int row) {
+    const Vec<2> x = a.thickness.middle(column, row);
+    if (!place && has_both(x) && has_both(x + Vec<2>{apart, 0}) && has_both(x - Vec<2>{apart, 0}) &&
+        has_both(x + Vec<2>{0, apart}) && has_both(x - Vec<2>{0, apart}))
+      place = x;
+  });
+  return place;
+}
+
+/// Complains if another body lies on the same ground.
+void check_apart(Section& s, const SurfaceLayer& layer, const Case& case_) {
+  for (const BodySpec& other : case_.bodies)
+    if (const auto* its = std::get_if<SurfaceLayer>(&other.region))
+      if (const auto place = overlap(layer, *its))
+        return s.complain(fmt::format("overlaps the release of body `{}` at {}; both would begin on the ground",
+                                      other.name, on_map(*place, case_.map->frame)));
+}
+
 /// Shows volume, area and mean thickness.
 void note_size(Section& s, const SurfaceLayer& layer, const PlanRaster& covered) {
   const PlanRaster& t = layer.thickness;
@@ -293,25 +334,27 @@ const Declaration& release_declaration() {
 }
 
 Region read_release(Section& s, Case& case_, const std::string& folder, double spacing) {
+  const Box none{case_.domain.min, case_.domain.min};  // that nobody complains about
   if (!case_.map) {
     if (s.is_right()) s.complain("lies on a [terrain], and there is none; name the raster of its heights there");
-    return Box{};
+    return none;
   }
   const Release release = read_source(s, folder, *case_.map);
   s.close();
-  if (!s.is_right() || !(spacing > 0) || (!release.outlines && !release.raster)) return Box{};
+  if (!s.is_right() || !(spacing > 0) || (!release.outlines && !release.raster)) return none;
   const Rectangle around = rectangle_around(release);
   const PlanRaster pixels = around.is_empty() ? PlanRaster{} : pixels_over(around, spacing);
   if (!around.is_empty() && pixels.values.empty()) {
     s.complain("needs too many particles; enlarge the `spacing` of the body");
-    return Box{};
+    return none;
   }
   Layer upright = upright_layer(release, *case_.map->ground, pixels);
   if (const std::string fault = fault_of(upright, *case_.map); !fault.empty()) {
     s.complain(fault);
-    return Box{};
+    return none;
   }
   const SurfaceLayer layer{case_.map->ground, std::move(upright.thickness)};
+  check_apart(s, layer, case_);
   note_size(s, layer, upright.covered);
   return layer;
 }
