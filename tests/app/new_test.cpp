@@ -44,7 +44,7 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   for (const fs::path& file : shipped("/cases")) {
     const std::string name = file.stem();
     EXPECT_TRUE(has(list.output, "  " + name + " ")) << name;
-    ASSERT_EQ(program::talus("new " + name + " > " + in(name + ".toml")).code, 0);
+    ASSERT_EQ(program::talus("new " + name + " > " + name + ".toml", "cd " + folder_.string() + " &&").code, 0);
     EXPECT_EQ(understood(in(name + ".toml")), understood(file)) << name;
   }
   const std::string slump = contents(in("slump_2d.toml"));
@@ -53,6 +53,22 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   const Finished wrong = program::talus("new slump2d");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_TRUE(has(wrong.output, "there is no template `slump2d`; did you mean `slump_2d`?")) << wrong.output;
+}
+
+TEST_F(ANewCase, ComesWithTheMapsThatItNames) {
+  const std::string here = "cd " + folder_.string() + " &&";
+  const Finished first = program::talus("new landslide > my.toml", here);
+  EXPECT_EQ(first.code, 0);
+  EXPECT_TRUE(has(first.output, "  landslide/terrain.asc\n")) << first.output;
+  for (const auto& file : fs::directory_iterator(TALUS_SOURCE_DIR "/cases/landslide"))
+    EXPECT_EQ(contents(folder_ / "landslide" / file.path().filename()), contents(file)) << file;
+  EXPECT_EQ(program::talus("check my.toml", here).code, 0);
+  // What is there is the user's.
+  std::ofstream(folder_ / "landslide" / "terrain.asc") << "mine";
+  const Finished second = program::talus("new landslide > my.toml", here);
+  EXPECT_EQ(second.code, 0);
+  EXPECT_TRUE(has(second.output, "landslide/, which is there already")) << second.output;
+  EXPECT_EQ(contents(folder_ / "landslide" / "terrain.asc"), "mine");
 }
 
 TEST_F(ANewCase, IsKnownToEditorsByASchema) {
