@@ -134,7 +134,7 @@ TerrainPlace Terrain::at(double x, double y) const {
   const double u_in = std::clamp(u, 0.0, heights_.columns - 1.0), v_in = std::clamp(v, 0.0, heights_.rows - 1.0);
   const int column = std::min(int(u_in), heights_.columns - 2), row = std::min(int(v_in), heights_.rows - 2);
   const SplineWeights along_x(u_in - column), along_y(v_in - row);
-  double z = 0, dx = 0, dy = 0;
+  double z = 0, dx = 0, dy = 0, twist = 0;  // twist: how dx varies along y
   const std::size_t width = std::size_t(heights_.columns) + 2;
   const double* c = coefficients_.data() + std::size_t(row) * width + std::size_t(column);
   for (std::size_t j = 0; j < 4; ++j, c += width) {
@@ -145,9 +145,13 @@ TerrainPlace Terrain::at(double x, double y) const {
     z += along_y.value[j] * value;
     dx += along_y.value[j] * slope;
     dy += along_y.slope[j] * value;
+    twist += along_y.slope[j] * slope;
   }
-  // Beyond the middles of the outer pixels it goes on in a plane.
-  return {z + dx * (u - u_in) + dy * (v - v_in), dx / heights_.pixel, dy / heights_.pixel};
+  // Beyond the middles of the outer pixels it goes on in straight lines, off the corners in planes.
+  const double du = u - u_in, dv = v - v_in, z_beyond = z + dx * du + dy * dv;
+  if (dv == 0) dy += twist * du;
+  if (du == 0) dx += twist * dv;
+  return {z_beyond, dx / heights_.pixel, dy / heights_.pixel};
 }
 
 }  // namespace talus

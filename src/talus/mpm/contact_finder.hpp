@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <iterator>
 #include <map>
@@ -65,7 +66,7 @@ class ContactFinder {
     for (const Solid& solid : solids_) {
       ++number;
       if (is_ground(solid)) {
-        find_on_ground(tiles, momentum, t, number, counts, found);
+        find_on_ground(tiles, momentum, walls, t, number, counts, found);
         continue;
       }
       const Pose pose = solid.motion.at(time);
@@ -119,10 +120,22 @@ class ContactFinder {
       Vec<3> normal;
     };
     std::vector<Node> nodes;
-    /// Which nodes of each column are the ground's, a bit a layer, from `column_reach` layers below the tile to as many above.
-    std::array<unsigned, power(tile_edge, Dim - 1)> columns{};
+    /// Which nodes are the ground's of each column through the tile and next to it: a bit a layer, from `column_reach`
+    /// layers below the tile to as many above.
+    std::array<unsigned, power(tile_edge + 2, Dim - 1)> columns{};
   };
-  static constexpr int column_reach = 2;
+  static constexpr int column_reach = 3, n_across = power(tile_edge, Dim - 1),
+                       n_columns = power(tile_edge + 2, Dim - 1);
+
+  /// The node of a column in the tile's lowest layer, counted from the tile's first.
+  static Index<Dim> foot_of_column(int column) {
+    Index<Dim> i = unflatten<Dim>(column, tile_edge + 2);
+    for (int a = 0; a < Dim - 1; ++a) i[a] -= 1;
+    return i;
+  }
+  static bool in_tile(const Index<Dim>& node) {
+    return std::all_of(&node[0], &node[0] + Dim, [](int i) { return i >= 0 && i < tile_edge; });
+  }
 
   /// What is known of ground that rests, tile by tile. Each tile's is found once, by the thread that has the tile.
   struct GroundTiles {
@@ -148,48 +161,100 @@ class ContactFinder {
     const SolidShape& shape = solids_[std::size_t(number)].shape;
     const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
     if (nearness(shape, place_of(tile.place, 0.5 * (tile_edge - 1)), Dim).distance > reach) return *ground;
-    constexpr int n_across = power(tile_edge, Dim - 1);
     for (int layer = -column_reach; layer < tile_edge + column_reach; ++layer)
-      for (int n = 0; n < n_across; ++n) {
-        Index<Dim> node = global_node<Dim>(tile.place, n);
-        node[Dim - 1] += layer;
-        const Nearness near = nearness(shape, place_of(node), Dim);
+      for (int column = 0; column < n_columns; ++column) {
+        Index<Dim> node = foot_of_column(column), global = node;
+        node[Dim - 1] = layer;
+        for (int a = 0; a < Dim; ++a) global[a] = node[a] + tile_edge * tile.place[a];
+        const Nearness near = nearness(shape, place_of(global), Dim);
         if (near.distance > margin * domain_.h || near.distance < -deepest * domain_.h) continue;
-        ground->columns[std::size_t(n)] |= 1u << (layer + column_reach);
-        if (layer >= 0 && layer < tile_edge) ground->nodes.push_back({n + layer * n_across, near.normal});
+        ground->columns[std::size_t(column)] |= 1u << (layer + column_reach);
+        if (in_tile(node)) ground->nodes.push_back({flatten<Dim>(node, tile_edge), near.normal});
       }
     return *ground;
   }
 
   /// A terrain is met from above alone, so the normal of its nearest place is always the right one.
   template <class Counts>
-  void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int number, Counts counts,
-                      std::vector<NodeContact>& found) {
+  void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, const Mirrors<Dim>& walls, int t,
+                      int number, Counts counts, std::vector<NodeContact>& found) {
     const GroundTile& ground = ground_of_tile(tiles[t], t, number);
+    std::optional<std::array<double, n_across>> area;
     for (const auto& [node, normal] : ground.nodes) {
       if (!counts(node)) continue;
       const Wall& surface = solids_[std::size_t(number)].contact_at(place_of(global_node<Dim>(tiles[t].place, node)));
       found.push_back({node, surface, normal, {}, number});
-      if (surface.xi > 0) found.back().drag = drag_at(tiles, momentum, t, node, ground, normal, surface.xi);
+      if (surface.xi == 0) continue;
+      if (!area) area = area_per_mass(tiles, momentum, walls, t, ground);
+      found.back().drag = unit_weight_ / surface.xi * (*area)[std::size_t(node % n_across)] / normal[Dim - 1];
     }
   }
 
-  /// What turbulent friction slows a node by [1/m]: rho g/xi times the area of the ground under a column of nodes, over the
-  /// mass of those that are the ground's.
-  double drag_at(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node, const GroundTile& ground,
-                 const Vec<3>& normal, double xi) const {
-    constexpr int n_across = power(tile_edge, Dim - 1);
-    const int column = node % n_across, own_layer = node / n_across;
-    double mass = 0;
-    for (int layer = own_layer - column_reach; layer <= own_layer + column_reach; ++layer) {
-      if (!(ground.columns[std::size_t(column)] >> (layer + column_reach) & 1u)) continue;
-      Index<Dim> to{};
-      to[Dim - 1] = layer < 0 ? -1 : layer >= tile_edge ? 1 : 0;
-      const int other = tiles[t].neighbours[neighbour_at<Dim>(to)];
-      if (other >= 0) mass += mass_at(momentum, other, column + (layer - tile_edge * to[Dim - 1]) * n_across);
+  /// The area in plan [m2] that material covers around each column of a tile's nodes, over the mass of those that are the
+  /// ground's: there turbulent friction acts. Amid a flow that is a cell. At its edge nodes have mass farther out than the
+  /// flow reaches; were each to stand for a whole cell, a patch would be held as if it were two cells wider. So a column
+  /// stands for as much of a cell as it has of the mass of those around it, T_i/T with their mean T = sum T_j^2/sum T_j,
+  /// to which those on the edge add little.
+  std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
+                                             const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
+    std::array<double, n_columns> inside{}, mass{}, on_ground{};
+    for (std::size_t column = 0; column < n_columns; ++column) {
+      const unsigned nodes = ground.columns[column];
+      Index<Dim> i = foot_of_column(int(column));
+      inside[column] = share_inside(walls, tiles[t].place, i);
+      if (nodes == 0 || inside[column] == 0) continue;
+      const int highest = int(std::bit_width(nodes)) - 1 - column_reach;
+      for (int layer = -tile_edge; layer < std::min(highest + layers_above, 2 * tile_edge); ++layer) {
+        i[Dim - 1] = layer;
+        const double m = mass_beside(tiles, momentum, t, i);
+        mass[column] += m / inside[column];
+        if (layer >= -column_reach && (nodes >> (layer + column_reach) & 1u)) on_ground[column] += m;
+      }
     }
-    const double area = std::pow(domain_.h, Dim - 1) / normal[Dim - 1];
-    return unit_weight_ / xi * area / mass;
+    std::array<double, n_across> area{};
+    for (int n = 0; n < n_across; ++n) {
+      const Index<Dim> own = unflatten<Dim>(n, tile_edge);
+      double sum = 0, squares = 0;
+      for (int beside = 0; beside < power(3, Dim - 1); ++beside) {
+        Index<Dim> at = unflatten<Dim>(beside, 3);
+        for (int a = 0; a < Dim - 1; ++a) at[a] += own[a];
+        const double m = mass[std::size_t(flatten<Dim>(at, tile_edge + 2))];
+        sum += m;
+        squares += m * m;
+      }
+      Index<Dim> at = own;
+      for (int a = 0; a < Dim - 1; ++a) at[a] += 1;
+      const auto column = std::size_t(flatten<Dim>(at, tile_edge + 2));
+      if (on_ground[column] > 0)
+        area[std::size_t(n)] =
+            std::pow(domain_.h, Dim - 1) * inside[column] * mass[column] * sum / squares / on_ground[column];
+    }
+    return area;
+  }
+  /// Of a thicker flow so many layers above the ground say where it ends.
+  static constexpr int layers_above = 4;
+
+  /// How much of a column of nodes lies in the domain: half of it on a side that mirrors, nothing behind one.
+  static double share_inside(const Mirrors<Dim>& walls, const Index<Dim>& tile, const Index<Dim>& node) {
+    double share = 1;
+    for (int k = 0; k < walls.n; ++k) {
+      const Mirror& m = walls.mirrors[std::size_t(k)];
+      if (m.axis == Dim - 1) continue;
+      const int at = node[m.axis] + tile_edge * tile[m.axis];
+      share *= at == m.wall ? 0.5 : at == m.image ? 0.0 : 1.0;
+    }
+    return share;
+  }
+
+  /// The mass of a node of a tile or of one next to it, counted from the tile's first.
+  static double mass_beside(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, Index<Dim> node) {
+    Index<Dim> offset{};
+    for (int a = 0; a < Dim; ++a) {
+      offset[a] = node[a] < 0 ? -1 : node[a] >= tile_edge ? 1 : 0;
+      node[a] -= tile_edge * offset[a];
+    }
+    const int other = tiles[t].neighbours[neighbour_at<Dim>(offset)];
+    return other < 0 ? 0.0 : mass_at(momentum, other, flatten<Dim>(node, tile_edge));
   }
 
   /// In cells: what rounding may make of a place, and what is next to one.
