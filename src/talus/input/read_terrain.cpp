@@ -158,6 +158,11 @@ void read_terrain(Section& root, Case& case_, const std::string& folder) {
   ground.zones = read_zones(s, folder, heights, map, case_);
   s.close();
   if (!heights || case_.dim != 3) return;
+  const Vec<2> far = heights->far_corner();
+  if (std::min(far[0], far[1]) < case_.cell)
+    return s.complain("raster", fmt::format("is {:.3g} m x {:.3g} m large, less than a cell ({}){}", far[0], far[1],
+                                            with_unit(case_.cell, "m"),
+                                            map.frame.projection.empty() ? "; are its coordinates in degrees?" : ""));
   map.ground = std::make_shared<const Terrain>(std::move(*heights), case_.cell);
   if (case_.cell > 0) case_.domain = domain_over(*map.ground, case_.cell);
   note_map(s, map, case_.cell);
