@@ -288,7 +288,7 @@ std::string fault_of(const Layer& layer, const MapOfCase& map) {
                      on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
 }
 
-/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too: the
+/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too:
 /// pixels along a border that two releases have in common belong to both.
 std::optional<Vec<2>> overlap(const SurfaceLayer& a, const SurfaceLayer& b) {
   const double apart = std::max(a.thickness.pixel, b.thickness.pixel);
