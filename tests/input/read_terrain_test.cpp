@@ -241,7 +241,8 @@ TEST_F(TerrainCase, ConvertsHeightsFromTheUnitThatIsStated) {
 
 TEST_F(TerrainCase, TakesItsProjectionFromWhicheverStatesIt) {
   EXPECT_NE(shown(read(text_of()), "terrain.projection").find("none stated"), std::string::npos);
-  EXPECT_FALSE(read(text_of()).case_.map->frame.projection.empty());  // that of the polygons
+  EXPECT_NE(shown(read(text_of()), "body.slide.release.projection").find("EPSG:25832"), std::string::npos);
+  EXPECT_FALSE(read(text_of()).case_.map->frame.projection.empty());
   const CaseFile stated = read(text_of(drawn, R"(projection = "EPSG:25832")"));
   EXPECT_NE(shown(stated, "terrain.projection").find("EPSG:25832"), std::string::npos);
   expect_refused(text_of(drawn, R"(projection = "EPSG:31254")"),

@@ -133,7 +133,7 @@ void note_map(Section& s, const MapOfCase& map, double cell) {
                      with_unit(heights.pixel, "m"), with_unit(map.ground->lowest(), "m"),
                      with_unit(map.ground->highest(), "m")),
          "of the terrain");
-  s.note("projection", name_of_projection(map.frame.projection), "of all maps of the run");
+  s.note("projection", name_of_projection(map.frame.projection), "of the terrain");
   if (cell > heights.pixel)
     s.note("smoothed_over", with_unit(cell, "m"), "heights are means over squares as wide as a cell");
 }
