@@ -5,7 +5,7 @@
 
 FOLDER/terrain.asc (with terrain.prj), heights in m on 120 x 80 pixels of 5 m: a slope of 32 degrees towards the east that
 passes into a valley floor of 3 degrees over 150 m, with a gully 60 m wide down the slope, which ends in a flat fan.
-FOLDER/release.geojson: two parts of a release in the upper gully, 6 m and 4 m thick (attribute `thickness`).
+FOLDER/release.geojson: two parts of a release in the upper gully, 6 m and 5 m thick (attribute `thickness`).
 FOLDER/forest.geojson: a wood on one side of the valley floor, a zone of its own for the surface of the ground.
 """
 import json
@@ -72,7 +72,7 @@ def main():
     lower = [(95, 165), (125, 172), (135, 200), (125, 228), (95, 235)]
     wood = [(330, 215), (560, 215), (560, 330), (330, 330)]
     (folder / "release.geojson").write_text(
-        json.dumps(features([(upper, {"name": "upper", "thickness": 6.0}), (lower, {"name": "lower", "thickness": 4.0})]),
+        json.dumps(features([(upper, {"name": "upper", "thickness": 6.0}), (lower, {"name": "lower", "thickness": 5.0})]),
                    indent=1) + "\n")
     (folder / "forest.geojson").write_text(json.dumps(features([(wood, {"name": "wood"})]), indent=1) + "\n")
 

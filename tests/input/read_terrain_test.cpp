@@ -241,7 +241,8 @@ TEST_F(TerrainCase, ConvertsHeightsFromTheUnitThatIsStated) {
 
 TEST_F(TerrainCase, TakesItsProjectionFromWhicheverStatesIt) {
   EXPECT_NE(shown(read(text_of()), "terrain.projection").find("none stated"), std::string::npos);
-  EXPECT_FALSE(read(text_of()).case_.map->frame.projection.empty());  // that of the polygons
+  EXPECT_NE(shown(read(text_of()), "body.slide.release.projection").find("EPSG:25832"), std::string::npos);
+  EXPECT_FALSE(read(text_of()).case_.map->frame.projection.empty());
   const CaseFile stated = read(text_of(drawn, R"(projection = "EPSG:25832")"));
   EXPECT_NE(shown(stated, "terrain.projection").find("EPSG:25832"), std::string::npos);
   expect_refused(text_of(drawn, R"(projection = "EPSG:31254")"),
@@ -273,6 +274,9 @@ TEST_F(TerrainCase, IsRefusedWhereItsRasterIsWrong) {
   expect(text_of(), "states degrees");
   write_raster("dem.asc", ground, {.edge = 1e-4, .x = 11 - east, .y = 47 - north});
   expect(text_of(), "in degrees");
+  fs::remove(folder_ / "dem.prj");  // degrees that nobody states
+  write_raster("dem.asc", [](double, double) { return 500; }, {.edge = 1e-4, .x = 11 - east, .y = 47 - north});
+  expect(text_of(), "is 0.002 m x 0.0016 m large, less than a cell (5 m); are its coordinates in degrees?");
   write("dem.prj", R"(PROJCS["feet",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                    R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
                    R"(PARAMETER["central_meridian",9],UNIT["US survey foot",0.304800609601219]])");

@@ -17,7 +17,10 @@ bool bring_in(Section& s, std::string_view key, const std::string& its_projectio
                                 name_of_projection(its_projection), name_of_projection(frame.projection)));
     return false;
   }
-  if (frame.projection.empty()) frame.projection = its_projection;
+  if (frame.projection.empty() && !its_projection.empty()) {
+    frame.projection = its_projection;
+    s.note("projection", name_of_projection(its_projection), "stated by this file, of all maps of the run");
+  }
   make_relative(data, frame.origin);
   return true;
 }

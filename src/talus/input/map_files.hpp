@@ -1,6 +1,6 @@
 #pragma once
-/// Map files that a case names: rasters and polygons, in the coordinates of the run. What is wrong with a file becomes a
-/// complaint about the key that names it.
+/// Map files that a case names: rasters and polygons, in the coordinates of the run. What is wrong with a file becomes
+/// a complaint about the key that names it.
 
 #include <fmt/format.h>
 

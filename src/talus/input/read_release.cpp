@@ -41,6 +41,15 @@ void for_each_pixel(const PlanRaster& pixels, F f) {
     for (int column = 0; column < pixels.columns; ++column) f(column, row);
 }
 
+/// The first pixel, from the south-west, of which f(column, row) is true.
+template <class F>
+std::optional<Index<2>> find_pixel(const PlanRaster& pixels, F f) {
+  for (int row = 0; row < pixels.rows; ++row)
+    for (int column = 0; column < pixels.columns; ++column)
+      if (f(column, row)) return Index<2>{column, row};
+  return std::nullopt;
+}
+
 PlanRaster covered_by(const GeoPolygons& outlines, const PlanRaster& pixels) {
   PlanRaster sum = pixels;
   std::ranges::fill(sum.values, 0.0);
@@ -89,31 +98,37 @@ PlanRaster height_above(const PlanRaster& surface, const Terrain& ground) {
   return above;
 }
 
-/// Complains where a raster of thickness holds no thickness; outside the polygons nothing matters.
+/// What is wrong with the thickness of a pixel that counts.
+std::string fault_of_thickness(double here, bool is_top, const std::string& place) {
+  if (std::isnan(here)) return fmt::format("has no number at {}, inside the polygons", place);
+  if (here < 0 && is_top)
+    return fmt::format(
+        "lies {} below the terrain at {}; raise it to the terrain where nothing is released, or name "
+        "`polygons` around the release",
+        with_unit(-here, "m"), place);
+  return fmt::format("means a thickness of {} at {}; it must be {}", with_unit(here, "m"), place,
+                     in_words(Range::between(0, most_thickness), "m"));
+}
+
+/// Complains where a raster of thickness holds no thickness. Beside the polygons, if there are any, nothing counts.
 void check_raster(Section& s, const MapFrame& frame, Release& release) {
   PlanRaster& t = *release.raster;
-  const bool is_top = s.has("top");
-  const char* key = is_top ? "top" : "raster";
-  const PlanRaster inside = release.outlines ? covered_by(*release.outlines, t) : t;
-  std::string fault;
+  const std::string_view key = s.has("top") ? "top" : "raster";
+  const PlanRaster inside = release.outlines ? covered_by(*release.outlines, t) : PlanRaster{};
   if (release.outlines && is_beyond(*release.outlines, inside))
-    fault = fmt::format("does not cover the polygons; it reaches from {} to {}", on_map(t.corner, frame),
-                        on_map(t.far_corner(), frame));
-  for_each_pixel(t, [&](int column, int row) {
-    double& here = t.at(column, row);
-    if (release.outlines && !(inside.at(column, row) > 0.5)) here = std::max(here, 0.0);
-    if (!fault.empty() || (release.outlines && !(inside.at(column, row) > 0.5))) return;
-    const std::string at = on_map(t.middle(column, row), frame);
-    if (release.outlines && !t.has(column, row))
-      fault = fmt::format("has no number at {}, inside the polygons", at);
-    else if (here < 0 && is_top)
-      fault = fmt::format("lies {} below the terrain at {}; raise it to the terrain where nothing is released{}",
-                          with_unit(-here, "m"), at, release.outlines ? "" : ", or name `polygons`");
-    else if (here < 0 || here > most_thickness)
-      fault = fmt::format("means a thickness of {} at {}; it must be {}", with_unit(here, "m"), at,
-                          in_words(Range::between(0, most_thickness), "m"));
+    return s.complain(key, fmt::format("does not cover the polygons; it reaches from {} to {}", on_map(t.corner, frame),
+                                       on_map(t.far_corner(), frame)));
+  const auto counts = [&](int column, int row) { return !release.outlines || inside.at(column, row) > 0.5; };
+  const auto wrong = find_pixel(t, [&](int column, int row) {
+    const double here = t.at(column, row);
+    return counts(column, row) && (std::isnan(here) ? release.outlines.has_value() : here < 0 || here > most_thickness);
   });
-  if (!fault.empty()) s.complain(key, fault);
+  if (wrong)
+    return s.complain(key, fault_of_thickness(t.at((*wrong)[0], (*wrong)[1]), key == "top",
+                                              on_map(t.middle((*wrong)[0], (*wrong)[1]), frame)));
+  for_each_pixel(t, [&](int column, int row) {
+    if (!counts(column, row)) t.at(column, row) = std::max(t.at(column, row), 0.0);  // none stays none
+  });
 }
 
 void read_polygons_of(Section& s, const std::string& folder, double metres, MapOfCase& map, Release& release) {
@@ -252,29 +267,28 @@ Layer upright_layer(const Release& release, const Terrain& ground, const PlanRas
 
 /// Why a release is refused; empty if it is right.
 std::string fault_of(const Layer& layer, const MapOfCase& map) {
-  const PlanRaster& heights = map.ground->heights();
-  bool any = false;
-  std::string fault;
-  for_each_pixel(layer.thickness, [&](int column, int row) {
-    if (!fault.empty() || !(layer.thickness.at(column, row) > 0)) return;
-    any = true;
-    const Vec<2> at = layer.thickness.middle(column, row);
-    const std::string place = on_map(at, map.frame);
-    if (layer.covered.at(column, row) > 1 + 1e-6)
-      fault = fmt::format(
-          "has polygons that overlap at {}; draw them side by side, or make them bodies of their own "
-          "that do not overlap",
-          place);
-    else if (!heights.has_pixel(heights.column_of(at[0]), heights.row_of(at[1])))
-      fault = fmt::format("lies outside the terrain at {}; the terrain reaches from {} to {}", place,
-                          on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
-    else if (!map.ground->is_known(at[0], at[1]))
-      fault = fmt::format("lies where the terrain has no data, at {}", place);
+  const PlanRaster &t = layer.thickness, &heights = map.ground->heights();
+  if (!find_pixel(t, [&](int column, int row) { return t.at(column, row) > 0; }))
+    return "has no volume: its thickness is 0 everywhere";
+  constexpr double drawn_side_by_side = 1.01;  // along a border drawn twice, slivers overlap
+  const auto overlapping =
+      find_pixel(t, [&](int column, int row) { return layer.covered.at(column, row) > drawn_side_by_side; });
+  if (overlapping)
+    return fmt::format("has polygons that overlap at {}; draw them side by side",
+                       on_map(t.middle((*overlapping)[0], (*overlapping)[1]), map.frame));
+  const auto beside = find_pixel(t, [&](int column, int row) {
+    const Vec<2> at = t.middle(column, row);
+    return t.at(column, row) > 0 && !map.ground->is_known(at[0], at[1]);
   });
-  return any ? fault : "has no volume: its thickness is 0 everywhere";
+  if (!beside) return "";
+  const Vec<2> at = t.middle((*beside)[0], (*beside)[1]);
+  if (heights.has_pixel(heights.column_of(at[0]), heights.row_of(at[1])))
+    return fmt::format("lies where the terrain has no data, at {}", on_map(at, map.frame));
+  return fmt::format("lies outside the terrain at {}; the terrain reaches from {} to {}", on_map(at, map.frame),
+                     on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
 }
 
-/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too: the
+/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too:
 /// pixels along a border that two releases have in common belong to both.
 std::optional<Vec<2>> overlap(const SurfaceLayer& a, const SurfaceLayer& b) {
   const double apart = std::max(a.thickness.pixel, b.thickness.pixel);

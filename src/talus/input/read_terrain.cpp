@@ -133,7 +133,7 @@ void note_map(Section& s, const MapOfCase& map, double cell) {
                      with_unit(heights.pixel, "m"), with_unit(map.ground->lowest(), "m"),
                      with_unit(map.ground->highest(), "m")),
          "of the terrain");
-  s.note("projection", name_of_projection(map.frame.projection), "of all maps of the run");
+  s.note("projection", name_of_projection(map.frame.projection), "of the terrain");
   if (cell > heights.pixel)
     s.note("smoothed_over", with_unit(cell, "m"), "heights are means over squares as wide as a cell");
 }
@@ -158,6 +158,11 @@ void read_terrain(Section& root, Case& case_, const std::string& folder) {
   ground.zones = read_zones(s, folder, heights, map, case_);
   s.close();
   if (!heights || case_.dim != 3) return;
+  const Vec<2> far = heights->far_corner();
+  if (std::min(far[0], far[1]) < case_.cell)
+    return s.complain("raster", fmt::format("is {:.3g} m x {:.3g} m large, less than a cell ({}){}", far[0], far[1],
+                                            with_unit(case_.cell, "m"),
+                                            map.frame.projection.empty() ? "; are its coordinates in degrees?" : ""));
   map.ground = std::make_shared<const Terrain>(std::move(*heights), case_.cell);
   if (case_.cell > 0) case_.domain = domain_over(*map.ground, case_.cell);
   note_map(s, map, case_.cell);
