@@ -71,7 +71,26 @@ double time_of_fall(const Case& case_) {
   return g > 0 && high > low ? std::sqrt((high - low) / g) : 0;
 }
 
+namespace {
+
+/// The largest upright thickness of the layers on a terrain; none where a body is something else [m].
+std::optional<double> thickness_of_layers(const Case& case_) {
+  double thickness = 0;
+  for (const BodySpec& b : case_.bodies) {
+    const auto* layer = std::get_if<SurfaceLayer>(&b.region);
+    if (!layer) return std::nullopt;
+    for (const double t : layer->thickness.values) thickness = std::max(thickness, std::isnan(t) ? 0 : t);
+  }
+  return thickness;
+}
+
+}  // namespace
+
 std::optional<Default> default_tau(const Case& case_) {
+  const double g = std::sqrt(dot(case_.gravity, case_.gravity));
+  if (const auto thickness = thickness_of_layers(case_); thickness && *thickness > 0 && g > 0)
+    return Default{0.08 * std::sqrt(*thickness / g),
+                   "0.08 sqrt(H/g), with the largest thickness H of what lies on the ground"};
   const double fall = time_of_fall(case_);
   if (!(fall > 0)) return std::nullopt;
   return Default{0.08 * fall, "0.08 sqrt(H/g), with the height H of all bodies"};

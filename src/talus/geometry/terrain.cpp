@@ -97,6 +97,8 @@ Terrain::Terrain(PlanRaster heights, double smoothed_over)
     if (!std::isnan(z)) {
       lowest_ = std::min(lowest_, z);
       highest_ = std::max(highest_, z);
+    } else {
+      has_gaps_ = true;
     }
   PlanRaster inner = heights_;
   fill_unknown(inner);

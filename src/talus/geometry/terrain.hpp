@@ -30,6 +30,8 @@ class Terrain {
   /// As they were given.
   const PlanRaster& heights() const { return heights_; }
   bool is_known(double x, double y) const { return heights_.has(heights_.column_of(x), heights_.row_of(y)); }
+  /// Whether there are pixels without a height.
+  bool has_gaps() const { return has_gaps_; }
   TerrainPlace at(double x, double y) const;
   /// Of the known heights [m].
   double lowest() const { return lowest_; }
@@ -42,6 +44,7 @@ class Terrain {
  private:
   PlanRaster heights_;
   double smoothed_over_;
+  bool has_gaps_ = false;
   double lowest_, highest_, steepest_;
   std::vector<double> coefficients_;  ///< of the spline, one for each pixel and one more around
 };

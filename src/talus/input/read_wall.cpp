@@ -93,7 +93,9 @@ Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_) {
   if (wall.kind == WallKind::friction)
     wall.friction = t.number(keys::friction);
   else if (t.has("friction"))
-    t.complain("friction", fmt::format("goes with kind `friction` only; {}", example));
+    t.complain("friction", surface.kinds.data() == ground_kinds
+                               ? fmt::format("goes with kinds `friction` and `voellmy` only; {}", example)
+                               : fmt::format("goes with kind `friction` only; {}", example));
   if (is_voellmy(surface, choice))
     wall.xi = t.number(keys::xi);
   else if (surface.kinds.data() == ground_kinds && t.has("xi"))
