@@ -111,10 +111,10 @@ TEST(Terrain, TheSurfaceGoesThroughTheHeightsInTheMiddlesOfPixels) {
 }
 
 TEST(Terrain, BetweenThreePixelsTheSplineIsThatOfTheTextbook) {
-  // Heights 0, 1, 0 along x and the same along y. Without curvature at the ends the coefficients there are the values, and
-  // (0 + 4 c + 0)/6 = 1 makes c = 3/2. Half a pixel from the middle the weights of the basis function are 1/48, 23/48,
-  // 23/48, 1/48; the coefficient beyond the end is 2 x 0 - 3/2: z = (23 x 3/2 - 3/2)/48 = 11/16, the slope of a pixel of 1 m
-  // dz/dx = (1/8) (-3/2) + (5/8) (0 - 3/2) = -9/8.
+  // Heights 0, 1, 0 along x and the same along y. Without curvature at the ends the coefficients there are the values,
+  // and (0 + 4 c + 0)/6 = 1 makes c = 3/2. Half a pixel from the middle the weights of the basis function are 1/48,
+  // 23/48, 23/48, 1/48; the coefficient beyond the end is 2 x 0 - 3/2: z = (23 x 3/2 - 3/2)/48 = 11/16, the slope of a
+  // pixel of 1 m dz/dx = (1/8) (-3/2) + (5/8) (0 - 3/2) = -9/8.
   const Terrain terrain(heights_of([](double x, double) { return x == 1.5 ? 1.0 : 0.0; }, {0, 0}, 1, 3, 3));
   EXPECT_NEAR(terrain.at(2, 1.3).height, 11. / 16, 1e-14);
   EXPECT_NEAR(terrain.at(1, 1.3).height, 11. / 16, 1e-14);
@@ -136,7 +136,8 @@ TEST(Terrain, TheSlopeIsTheDerivativeOfTheHeight) {
 
 TEST(Terrain, SlopeAndCurvatureHaveNoSteps) {
   // Across a line between pixels and across the middle of one, where the pieces of the spline meet: a step of the slope
-  // would show as a difference that does not shrink with the distance, one of curvature in that of slopes over distance.
+  // would show as a difference that does not shrink with the distance, one of curvature in that of slopes over
+  // distance.
   const PlanRaster heights = rough_heights(11, 8);
   const Terrain terrain(heights);
   const double e = 1e-6;
@@ -150,8 +151,9 @@ TEST(Terrain, SlopeAndCurvatureHaveNoSteps) {
 }
 
 TEST(Terrain, OnACosineBedTheErrorFallsWithTheFourthPowerOfThePixel) {
-  // A cubic spline's is pixel^4/384 times the fourth derivative (de Boor 2001, A Practical Guide to Splines, Ch. V), here
-  // (2 pi/10)^4 = 0.156 m/m^4: at 0.5 m 2.5e-5 m along each axis. Away from the edge, whose curvature is set to nothing.
+  // A cubic spline's is pixel^4/384 times the fourth derivative (de Boor 2001, A Practical Guide to Splines, Ch. V),
+  // here (2 pi/10)^4 = 0.156 m/m^4: at 0.5 m 2.5e-5 m along each axis. Away from the edge, whose curvature is set to
+  // nothing.
   const double k = 2 * pi / 10;
   const auto bed = [&](double x, double y) { return std::cos(k * x) * std::cos(k * y); };
   double error[3], slope_error[3];
@@ -215,8 +217,8 @@ TEST(Terrain, SmoothingKeepsPlanes) {
 }
 
 TEST(Terrain, SmoothingTakesTheMeanOverItsWidth) {
-  // One pixel of 9 m amid nothing, means over three pixels: 9/9 m on each of the nine around it, and their sum is what it
-  // was. Over two and a half pixels the middle has 1/2.5^2 and the neighbours 0.75 of that along each axis.
+  // One pixel of 9 m amid nothing, means over three pixels: 9/9 m on each of the nine around it, and their sum is what
+  // it was. Over two and a half pixels the middle has 1/2.5^2 and the neighbours 0.75 of that along each axis.
   const auto spike = [](double x, double y) { return std::abs(x) < 0.1 && std::abs(y) < 0.1 ? 9.0 : 0.0; };
   const PlanRaster heights = heights_of(spike, {-7.5, -7.5}, 1, 15, 15);
   for (const double width : {3.0, 2.5}) {

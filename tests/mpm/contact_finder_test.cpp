@@ -116,8 +116,8 @@ TEST(ContactFinder, NothingIsShiftedIntoASolid) {
   EXPECT_EQ(finder.beside_solids({3, 2.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, -0.1, 0})) << "more than a cell away";
 }
 
-/// One tile in the corner of a domain of 8 x 8 x 8 unit cells on level ground at z = 1.25. So nodes at z = 1 and 0 are the
-/// ground's, and those down to z = -2, of which only these have mass.
+/// One tile in the corner of a domain of 8 x 8 x 8 unit cells on level ground at z = 1.25. So nodes at z = 1 and 0 are
+/// the ground's, and those down to z = -2, of which only these have mass.
 struct CornerOnGround {
   Domain<3> domain = unit_cells<3>(8);
   std::vector<Tile<3>> tiles = tiles_at<3, Quadratic>({{0, 0, 0}});
@@ -161,9 +161,9 @@ TEST(ContactFinder, TurbulentFrictionOfAColumnSlowsTheMassOfItsNodesOnTheGround)
 }
 
 TEST(ContactFinder, AtTheEdgeOfAFlowTurbulentFrictionActsOnThePartOfACellThatIsCovered) {
-  // Columns at x = 2 have a fifth of the mass of the others, beyond there is nothing. Three rows alike: the mean mass of
-  // those around x = 1 is (2 + 1/25)/(2 + 1/5) = 51/55, around x = 2 (1 + 1/25)/(1 + 1/5) = 13/15. Areas are the column's
-  // mass over that mean: 55/51 and 3/13 of a cell; nodes are slowed by that over their mass, 6 and 6/5.
+  // Columns at x = 2 have a fifth of the mass of the others, beyond there is nothing. Three rows alike: the mean mass
+  // of those around x = 1 is (2 + 1/25)/(2 + 1/5) = 51/55, around x = 2 (1 + 1/25)/(1 + 1/5) = 13/15. Areas are the
+  // column's mass over that mean: 55/51 and 3/13 of a cell; nodes are slowed by that over their mass, 6 and 6/5.
   CornerOnGround corner;
   corner.set_mass([](const Index<3>& at) { return at[0] < 2 ? 1.0 : at[0] == 2 ? 0.2 : 0.0; });
   const std::array<double, 4> drag = corner.drag();

@@ -190,11 +190,11 @@ class ContactFinder {
     }
   }
 
-  /// The area in plan [m2] that material covers around each column of a tile's nodes, over the mass of those that are the
-  /// ground's: there turbulent friction acts. Amid a flow that is a cell. At its edge nodes have mass farther out than the
-  /// flow reaches; were each to stand for a whole cell, a patch would be held as if it were two cells wider. So a column
-  /// stands for as much of a cell as it has of the mass of those around it, T_i/T with their mean T = sum T_j^2/sum T_j,
-  /// to which those on the edge add little.
+  /// The area in plan [m2] that material covers around each column of a tile's nodes, over the mass of those that are
+  /// the ground's: there turbulent friction acts. Amid a flow that is a cell. At its edge nodes have mass farther out
+  /// than the flow reaches; were each to stand for a whole cell, a patch would be held as if it were two cells wider.
+  /// So a column stands for as much of a cell as it has of the mass of those around it: T_i/T, with their mean
+  /// T = sum T_j^2/sum T_j, to which those on the edge add little.
   std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
                                              const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
     std::array<double, n_columns> inside{}, mass{}, on_ground{};

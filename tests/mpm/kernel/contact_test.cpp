@@ -41,8 +41,8 @@ TEST(Contact, WhatPressedWhenMomentumCameToTheNodeRubsAsWell) {
 }
 
 TEST(Contact, TurbulentFrictionTakesMoreOfAFastNodeAndWorksWithoutPressure) {
-  // dv/dt = -0.5 v^2 over 0.1 s: 1/v grows by 0.05. Of 10 m/s, first 0.5 x 6 are Coulomb's, so 7/(1 + 0.05 x 7) are left;
-  // without pressure 10/(1 + 0.05 x 10).
+  // dv/dt = -0.5 v^2 over 0.1 s: 1/v grows by 0.05. Of 10 m/s, first 0.5 x 6 are Coulomb's, so 7/(1 + 0.05 x 7) are
+  // left; without pressure 10/(1 + 0.05 x 10).
   NodeContact c{0, rubbing, {0, 1, 0}};
   c.drag = 0.5;
   EXPECT_DOUBLE_EQ(after_contact(c, {10, -6, 0}, {0.1, 0}).velocity[0], 7 / 1.35);

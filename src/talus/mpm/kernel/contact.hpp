@@ -101,8 +101,8 @@ TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& t
   if (speed <= held) return {v - sliding, true};
   const FrictionRise& rise = c.surface.rise;
   double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, step.layer) : held;
-  // Turbulent friction does not depend on what presses: it also acts in steps in which material that swings on its ground
-  // does not press. Nothing would make up for it later, as a greater pressure does for Coulomb's.
+  // Turbulent friction does not depend on what presses: it also acts in steps in which material that swings on its
+  // ground does not press. Nothing would make up for it later, as a greater pressure does for Coulomb's.
   if (c.drag > 0) taken = speed - after_drag(c.drag, speed - taken, step.dt);
   return {v - (taken / speed) * sliding, false};
 }
