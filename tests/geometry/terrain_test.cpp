@@ -329,7 +329,7 @@ TEST(Ground, OnAConeTheNearestPlaceLiesOnTheLineDownItsFlank) {
       0.25, 3, 2e-3);
 }
 
-TEST(Ground, FarOffTheDistanceIsALowerBoundButNoLessThanFourPixels) {
+TEST(Ground, FarOffTheDistanceIsALowerBoundButNoLessThanSixteenPixels) {
   const Ground bed = ground(rough_heights(11, 8));
   const double pixel = bed.surface->heights().pixel;
   for (const double above : {-200.0, -60.0, 60.0, 200.0}) {
@@ -340,7 +340,7 @@ TEST(Ground, FarOffTheDistanceIsALowerBoundButNoLessThanFourPixels) {
       for (double dy = -5; dy <= 5; dy += 0.05)
         nearest = std::min(nearest, length(Vec<3>{dx, dy, bed.surface->at(x[0] + dx, x[1] + dy).height - x[2]}));
     EXPECT_LT(std::abs(near.distance), nearest);
-    EXPECT_GT(std::abs(near.distance), 4 * pixel);
+    EXPECT_GT(std::abs(near.distance), 16 * pixel);
     EXPECT_EQ(near.distance < 0, above < 0);
   }
 }

@@ -79,7 +79,8 @@ Nearness above(const Terrain& terrain, const Vec<3>& x) {
   TerrainPlace place = terrain.at(x[0], x[1]);
   const double upright = x[2] - place.height;
   const double least = std::abs(upright) / std::hypot(1, terrain.steepest());
-  constexpr double near_pixels = 16;  // cells are four pixels wide at most, and nodes of interest three and a half cells deep
+  constexpr double near_pixels =
+      16;  // cells are four pixels wide at most, and nodes of interest three and a half cells deep
   if (least > near_pixels * terrain.heights().pixel) return {std::copysign(least, upright), place.normal()};
   Nearness nearest{std::copysign(unbounded, upright), {}};
   Vec<2> foot{x[0], x[1]};

@@ -14,6 +14,15 @@ using Json = nlohmann::ordered_json;
 
 Json vector(const Vec<3>& v) { return {v[0], v[1], v[2]}; }
 
+/// What has left, by the sides of the domain; `unknown_ground` is ground whose height is not known.
+Json outflow_in_json(const Outflow& outflow) {
+  Json ways = Json::object();
+  for (std::size_t way = 0; way < outflow.mass_through.size(); ++way)
+    if (outflow.mass_through[way] > 0)
+      ways[way == unknown_ground ? "unknown_ground" : std::string(side_choices[way].word)] = outflow.mass_through[way];
+  return ways;
+}
+
 Json run_in_json(const RunSummary& run) {
   const double particle_steps = double(run.n_particles) * double(run.ledger.step);
   return {{"outcome", !run.failure.empty() ? "failed"
@@ -54,6 +63,7 @@ void add_ledger(const Ledger& l, Json& record) {
   }
   if (l.outflow.mass > 0)
     record["outflow"] = {{"mass_kilogram", l.outflow.mass},
+                         {"mass_kilogram_through", outflow_in_json(l.outflow)},
                          {"momentum_newton_second", vector(l.outflow.momentum)},
                          {"kinetic_joule", l.outflow.kinetic},
                          {"potential_joule", l.outflow.potential},
