@@ -15,7 +15,9 @@ namespace {
 std::string surface_in_words(const Wall& surface) {
   switch (surface.kind) {
     case WallKind::friction:
-      return fmt::format("friction {:.3g}{}", surface.friction, surface.separates ? "" : " and held");
+      return fmt::format("friction {:.3g}{}{}", surface.friction,
+                         surface.xi > 0 ? fmt::format(" and turbulent friction, xi = {:g} m/s2", surface.xi) : "",
+                         surface.separates ? "" : " and held");
     case WallKind::symmetry: return "plane of symmetry";
     case WallKind::no_slip: return "sticking";
     case WallKind::periodic: return "periodic";
