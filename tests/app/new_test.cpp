@@ -21,6 +21,10 @@ using program::contents, program::Finished, program::has;
 class ANewCase : public talus::FolderOfItsOwn {
  protected:
   std::string in(const std::string& name) const { return (folder_ / name).string(); }
+  /// `talus new` in the folder of the test, with its case in a file; what it says beside the case.
+  Finished make(const std::string& name, const std::string& file) const {
+    return program::talus("new " + name + " > " + file + ")", "(cd " + folder_.string() + " &&");
+  }
   static std::vector<fs::path> shipped(const std::string& folder) {
     std::vector<fs::path> files;
     for (const auto& entry : fs::recursive_directory_iterator(TALUS_SOURCE_DIR + folder))
@@ -44,7 +48,7 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   for (const fs::path& file : shipped("/cases")) {
     const std::string name = file.stem();
     EXPECT_TRUE(has(list.output, "  " + name + " ")) << name;
-    ASSERT_EQ(program::talus("new " + name + " > " + in(name + ".toml")).code, 0);
+    ASSERT_EQ(make(name, name + ".toml").code, 0);
     EXPECT_EQ(understood(in(name + ".toml")), understood(file)) << name;
   }
   const std::string slump = contents(in("slump_2d.toml"));
@@ -53,6 +57,21 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   const Finished wrong = program::talus("new slump2d");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_TRUE(has(wrong.output, "there is no template `slump2d`; did you mean `slump_2d`?")) << wrong.output;
+}
+
+TEST_F(ANewCase, ComesWithTheMapsThatItNames) {
+  const Finished first = make("landslide", "my.toml");
+  EXPECT_EQ(first.code, 0);
+  EXPECT_TRUE(has(first.output, "  landslide/terrain.asc\n")) << first.output;
+  for (const auto& file : fs::directory_iterator(TALUS_SOURCE_DIR "/cases/landslide"))
+    EXPECT_EQ(contents(folder_ / "landslide" / file.path().filename()), contents(file)) << file;
+  EXPECT_EQ(program::talus("check " + in("my.toml")).code, 0);
+  // What is there is the user's.
+  std::ofstream(folder_ / "landslide" / "terrain.asc") << "mine";
+  const Finished second = make("landslide", "my.toml");
+  EXPECT_EQ(second.code, 0);
+  EXPECT_TRUE(has(second.output, "landslide/, which is there already")) << second.output;
+  EXPECT_EQ(contents(folder_ / "landslide" / "terrain.asc"), "mine");
 }
 
 TEST_F(ANewCase, IsKnownToEditorsByASchema) {

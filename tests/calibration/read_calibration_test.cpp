@@ -48,6 +48,17 @@ void_ratio = "e"
 q = "q_kPa [kPa]"
 p = "p_kPa [kPa]"
 )";
+/// Columns of a table of grains, in units of their stiffness.
+const std::string grain_columns = R"([test.columns]
+shear_rate = "gdot"
+solid_fraction = "phi"
+p = "p"
+shear_stress = "tau"
+[test.scales]
+stiffness = "1 MPa"
+diameter = "1 mm"
+density = "2500 kg/m3"
+)";
 const std::string table = R"(# measured
 test,eps1,epsv_pct,e,q_kPa,p_kPa
 A,0,0,0.8,3,101
@@ -135,16 +146,7 @@ kind = "grain_shear"
 file = "g.csv"
 where = "e"
 is = "0.70"
-[test.columns]
-shear_rate = "gdot"
-solid_fraction = "phi"
-p = "p"
-shear_stress = "tau"
-[test.scales]
-stiffness = "1 MPa"
-diameter = "1 mm"
-density = "2500 kg/m3"
-)");
+)" + grain_columns);
   ASSERT_EQ(c.tests.size(), 1u);
   const MeasuredTest& test = c.tests[0];
   ASSERT_EQ(test.states.size(), 2u);
@@ -162,16 +164,7 @@ TEST_F(CalibrationFile, AFormulaChoosesRowsAndATieMayFollowTheCriticalFriction) 
 kind = "grain_shear"
 file = "g.csv"
 only = "gdot < 0.1 && phi > 0.55"
-[test.columns]
-shear_rate = "gdot"
-solid_fraction = "phi"
-p = "p"
-shear_stress = "tau"
-[test.scales]
-stiffness = "1 MPa"
-diameter = "1 mm"
-density = "2500 kg/m3"
-)";
+)" + grain_columns;
   const Calibration c = read(replaced(head, "n_d = 2\n", "") + "[tied]\nn_d = \"2*critical_friction\"\n" + grains);
   ASSERT_EQ(c.tests.size(), 1u);
   EXPECT_EQ(c.tests[0].states.size(), 1u);
@@ -181,6 +174,17 @@ density = "2500 kg/m3"
   EXPECT_EQ(n_d, 2 * *critical_friction_of(c.law));
   expect(head + replaced(grains, "phi > 0.55", "phi > 0.7"), "holds in no row");
   expect(head + replaced(grains, "phi > 0.55", "Phi > 0.55"), "Phi");
+}
+
+TEST_F(CalibrationFile, AFormulaChoosesRowsThoughAColumnHasItsUnitInItsName) {
+  write("t.csv", replaced(table, "q_kPa", "q [kPa]"));
+  const Calibration c =
+      read(head + replaced(replaced(triaxial, "q_kPa [kPa]", "q [kPa]"), "each", "only = \"e > 0.85\"\neach"));
+  ASSERT_EQ(c.tests.size(), 1u);
+  EXPECT_EQ(c.tests[0].name, "B");
+  const MeasuredQuantity& q = c.tests[0].quantities[2];
+  EXPECT_EQ(q.name, "q");
+  EXPECT_DOUBLE_EQ(q.values[1], 150e3);
 }
 
 TEST_F(CalibrationFile, MistakesAreRefusedWithLineAndSuggestion) {

@@ -66,8 +66,7 @@ inline void measure(MeasuredTest& test, const AnyLaw& law, double noise = 0, uns
   for (std::size_t k = 0; k < test.quantities.size(); ++k) {
     MeasuredQuantity& q = test.quantities[k];
     q.values = p.values[k];
-    const auto [low, high] = std::minmax_element(q.values.begin(), q.values.end());
-    if (!q.logarithmic) q.scale = q.name == "void_ratio" ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    if (!q.logarithmic) q.scale = scale_of(q.name, q.values);
     for (double& v : q.values) v += noise * q.scale * normal(random);
     q.values.front() = p.values[k].front();  // strains are measured from it
   }

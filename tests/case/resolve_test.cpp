@@ -252,7 +252,34 @@ Case tunnel_axisymmetric() {
   return c;
 }
 
+/// Its maps are those of the file: what readers make of them is tested in tests/input/read_terrain_test.cpp.
+Case landslide() {
+  const Case read = read_case(TALUS_SOURCE_DIR "/cases/landslide.toml").case_;
+  Case c = in_domain("A landslide runs down a gully into a valley", 3, read.domain, "5 m");
+  c.walls.fill(wall_of_domain(WallKind::outflow));
+  c.map = read.map;
+  Wall open_ground(WallKind::friction, 0.2, true), forest(WallKind::friction, 0.3, true);
+  open_ground.xi = 500;
+  forest.xi = 400;
+  Solid ground{"terrain", Ground{read.map->ground}, open_ground};
+  ground.zones = {read.solids.at(0).zones.number, {forest}};
+  c.solids = {ground};
+  MohrCoulomb law{};
+  law.E = pa("10 MPa");
+  law.nu = 0.3;
+  law.phi = rad("33 deg");
+  c.materials = {{"debris", law, 1900}};
+  c.bodies = {body("slide", read.bodies.at(0).region, "2.5 m")};
+  c.end = 60;
+  c.stop_below = 0.01;
+  c.output.snapshots = 1;
+  c.output.history = 0.2;
+  c.output.pictures = {{0, 5, 10, 20, 40, 60}};
+  return c;
+}
+
 const std::map<std::string, std::function<Case()>> cases_in_cpp = {
+    {"landslide", landslide},
     {"slump_2d", slump_2d},
     {"slump_2d_as_printed", slump_2d_as_printed},
     {"slump_2d_gates", slump_2d_gates},

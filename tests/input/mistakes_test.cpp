@@ -48,7 +48,7 @@ std::vector<fs::path> files() {
 }
 
 TEST(Mistakes, AreRefusedOrChangeWhatIsUnderstood) {
-  // All are some forty thousand: `./dev fuzz` makes them. Here every so many-th of each file.
+  // All are some seventy thousand: `./dev fuzz` makes them. Here every so many-th of each file.
   const char* asked = std::getenv("TALUS_EVERY_MISTAKE");
   const std::size_t stride = asked ? std::stoul(asked) : 41;
   std::size_t n = 0, n_refused = 0, first = 0;

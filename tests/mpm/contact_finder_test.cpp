@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <memory>
+
 #include "mpm/by_hand.hpp"
 
 namespace talus::contact_finder_test {
@@ -111,6 +114,71 @@ TEST(ContactFinder, NothingIsShiftedIntoASolid) {
   EXPECT_EQ(finder.beside_solids({3, 1.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, 0, 0}));
   EXPECT_EQ(finder.beside_solids({3, 1.5, 0}, {0.1, 0.1, 0}, 0), (Vec<3>{0.1, 0.1, 0}));
   EXPECT_EQ(finder.beside_solids({3, 2.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, -0.1, 0})) << "more than a cell away";
+}
+
+/// One tile in the corner of a domain of 8 x 8 x 8 unit cells on level ground at z = 1.25. So nodes at z = 1 and 0 are
+/// the ground's, and those down to z = -2, of which only these have mass.
+struct CornerOnGround {
+  Domain<3> domain = unit_cells<3>(8);
+  std::vector<Tile<3>> tiles = tiles_at<3, Quadratic>({{0, 0, 0}});
+  std::vector<MassMomentum> momentum{tiles.size() * 64, node<MassMomentum>(0, 0, 0, 0)};
+
+  /// The same masses in every column: 3 each at z = 0, 1 and 2, times a share of the column.
+  template <class Share>
+  void set_mass(Share share) {
+    for (std::size_t i = 0; i < momentum.size(); ++i) {
+      const Index<3> at = global_node<3>(tiles[i / 64].place, int(i % 64));
+      momentum[i].mass = at[2] >= 0 && at[2] <= 2 ? 3 * share(at) : 0;
+    }
+  }
+  /// What turbulent friction slows each node at y = 1, z = 1 by, with rho g/xi = 12.
+  std::array<double, 4> drag() const {
+    Wall turbulent = rubs;
+    turbulent.xi = 100;
+    const Ground ground{std::make_shared<const Terrain>(PlanRaster::of({-8, -8}, 4, 6, 6, 1.25))};
+    ContactFinder<3> finder(domain, {{"terrain", ground, turbulent}}, 1200);
+    finder.number_tiles(tiles);
+    std::vector<NodeContact> contacts;
+    const auto own = std::find_if(tiles.begin(), tiles.end(), [](const auto& t) { return t.place == Index<3>{}; });
+    finder.find(tiles.data(), momentum.data(), Mirrors<3>(domain), true, int(own - tiles.begin()), 0, 1e-12, contacts);
+    std::array<double, 4> drag{};
+    for (const NodeContact& c : contacts) {
+      const Index<3> at = unflatten<3>(c.node, 4);
+      EXPECT_LT(at[2], 2) << "more than half a cell above ground";
+      if (at[1] == 1 && at[2] == 1) drag[std::size_t(at[0])] = c.drag;
+    }
+    return drag;
+  }
+};
+
+TEST(ContactFinder, TurbulentFrictionOfAColumnSlowsTheMassOfItsNodesOnTheGround) {
+  // Its area is 1, the mass at z = 0 and 1 is 6: 12 x 1/6, whatever lies above.
+  CornerOnGround corner;
+  corner.set_mass([](const Index<3>&) { return 1.0; });
+  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 2);
+  corner.set_mass([](const Index<3>&) { return 2.0; });
+  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 1) << "twice as thick";
+}
+
+TEST(ContactFinder, AtTheEdgeOfAFlowTurbulentFrictionActsOnThePartOfACellThatIsCovered) {
+  // Columns at x = 2 have a fifth of the mass of the others, beyond there is nothing. Three rows alike: the mean mass
+  // of those around x = 1 is (2 + 1/25)/(2 + 1/5) = 51/55, around x = 2 (1 + 1/25)/(1 + 1/5) = 13/15. Areas are the
+  // column's mass over that mean: 55/51 and 3/13 of a cell; nodes are slowed by that over their mass, 6 and 6/5.
+  CornerOnGround corner;
+  corner.set_mass([](const Index<3>& at) { return at[0] < 2 ? 1.0 : at[0] == 2 ? 0.2 : 0.0; });
+  const std::array<double, 4> drag = corner.drag();
+  EXPECT_DOUBLE_EQ(drag[0], 2);
+  EXPECT_DOUBLE_EQ(drag[1], 2 * 55. / 51);
+  EXPECT_DOUBLE_EQ(drag[2], 10 * 3. / 13);
+  EXPECT_EQ(drag[3], 0) << "no contact";
+}
+
+TEST(ContactFinder, OnASideThatMirrorsAColumnIsHalfACell) {
+  // ... and its nodes have half the mass.
+  CornerOnGround corner;
+  corner.domain.walls[0] = WallKind::slip;
+  corner.set_mass([](const Index<3>& at) { return at[0] == 0 ? 0.5 : 1.0; });
+  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 2);
 }
 
 }  // namespace talus::contact_finder_test

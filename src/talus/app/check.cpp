@@ -19,6 +19,7 @@
 #include "talus/output/picture.hpp"
 #include "talus/output/plot.hpp"
 #include "talus/output/snapshot.hpp"
+#include "talus/output/terrain_maps.hpp"
 
 namespace talus {
 
@@ -133,6 +134,14 @@ ExpectedSteps expect_steps(const Case& case_, Backend& loop, double first_dt, do
                       rehearsal.until)};
 }
 
+/// Draws the terrain with the release in a folder beside the user, and says where.
+void print_map(const Case& case_, const std::string& case_file) {
+  namespace fs = std::filesystem;
+  const fs::path png = fs::path(fs::path(case_file).stem().string() + "_map") / "map.png";
+  fs::create_directories(png.parent_path());
+  if (draw_case_map(png, case_)) fmt::print("map: {}\n", fs::absolute(png).string());
+}
+
 }  // namespace
 
 int check_case(const std::string& case_file, int threads) {
@@ -164,6 +173,7 @@ int check_case(const std::string& case_file, int threads) {
       "particle-steps/s on {} thread{}\n  expected duration   {}\n",
       steps.how, 1e-6 * double(bytes), 1e-6 * n_particles / per_step, loop->n_workers(),
       loop->n_workers() == 1 ? "" : "s", duration_in_words(duration));
+  if (case_.map) print_map(case_, case_file);
   return 0;
 }
 

@@ -49,7 +49,8 @@ int view_report(const std::string& folder);
 
 int list_everything();
 
-/// Prints a case or element test to start from, with comments; without a name, a list of them.
+/// Prints a case or element test to start from, with comments, and writes the maps that it names into a folder here, unless
+/// that is there; without a name, prints a list of them.
 int print_template(const std::string& name);
 
 }  // namespace talus

@@ -1,9 +1,14 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <map>
+#include <system_error>
 
 #include "talus/app/commands.hpp"
 #include "talus/app/templates.hpp"
+#include "talus/base/file.hpp"
 #include "talus/base/text.hpp"
 #include "talus/input/reader.hpp"
 
@@ -11,12 +16,65 @@ namespace talus {
 
 namespace {
 
+namespace fs = std::filesystem;
+
 bool is_element_test(const Document& document) { return document.root().contains("segment"); }
+
+/// The maps that a template names.
+std::vector<TemplateMap> maps_of(const Template& t) {
+  std::vector<TemplateMap> maps;
+  for (const TemplateMap& map : template_maps())
+    if (map.path.starts_with(std::string(t.name) + "/")) maps.push_back(map);
+  return maps;
+}
+
+/// Writes maps below a folder.
+void write_maps(const std::vector<TemplateMap>& maps, const fs::path& folder) {
+  for (const TemplateMap& map : maps) {
+    fs::create_directories((folder / map.path).parent_path());
+    write_whole(folder / map.path, map.bytes);
+  }
+}
+
+/// A folder with the maps of a template, as long as it is read.
+class FolderOfMaps {
+ public:
+  explicit FolderOfMaps(const Template& t)
+      : path_(fs::temp_directory_path() / fmt::format("talus_new_{}", ::getpid())) {
+    write_maps(maps_of(t), path_);
+  }
+  ~FolderOfMaps() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  FolderOfMaps(const FolderOfMaps&) = delete;
+  FolderOfMaps& operator=(const FolderOfMaps&) = delete;
+  std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
 
 std::vector<Understood> understood(const Template& t) {
   const std::string name(t.name);
   if (is_element_test(Document(name, t.text))) return read_element_test_text(name, t.text, "").understood;
-  return read_case_text(name, t.text).understood;
+  const FolderOfMaps folder(t);
+  return read_case_text(name, t.text, folder.path()).understood;
+}
+
+/// Writes the maps of a template into a folder of its name here, unless there is one, and says so beside the case.
+void place_maps(const Template& t) {
+  const std::vector<TemplateMap> maps = maps_of(t);
+  if (maps.empty()) return;
+  const fs::path folder(t.name);
+  if (fs::exists(folder)) {
+    fmt::print(stderr, "talus: the case reads files in {}/, which is there already and was not changed\n", t.name);
+    return;
+  }
+  write_maps(maps, ".");
+  fmt::print(stderr, "talus: wrote the files that the case reads:\n");
+  for (const TemplateMap& map : maps) fmt::print(stderr, "  {}\n", map.path);
+  fmt::print(stderr, "Keep this folder beside the case, or name your own files in it.\n");
 }
 
 /// The file with the meaning of each key beside it, and at its end the keys it leaves out.
@@ -65,6 +123,7 @@ int print_template(const std::string& name) {
   for (const Template& t : templates()) {
     if (t.name == name) {
       fmt::print("{}", commented(t));
+      place_maps(t);
       return 0;
     }
     names.push_back(t.name);

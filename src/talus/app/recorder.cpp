@@ -5,6 +5,7 @@
 
 #include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
+#include "talus/case/defaults.hpp"
 
 namespace talus {
 
@@ -40,6 +41,9 @@ Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outli
       snapshots_(task.folder, *task.input.case_.output.fields, so_far_.snapshots),
       pictures_(task.folder / "pictures", task.input.case_, so_far_.instants),
       noise_(task.input.case_, so_far_.pressure_noise),
+      maps_(task.folder / "maps", task.input.case_, task.case_text, so_far_.maps),
+      stop_below_(task.input.case_.stop_below),
+      stop_after_(time_of_fall(task.input.case_)),
       picture_times_(*task.input.case_.output.pictures),
       checkpoint_times_{task.input.case_.output.checkpoints.value_or(std::numeric_limits<double>::infinity())},
       checkpoint_wall_(task.input.case_.output.checkpoint_wall),
@@ -58,8 +62,15 @@ bool Recorder::picture_is_due(double time) {
   return due;
 }
 
+bool Recorder::has_come_to_rest(const Simulation& simulation) const {
+  return stop_below_ > 0 && simulation.ledger().time - so_far_.last_flow > stop_after_;
+}
+
 void Recorder::record(Simulation& simulation, bool is_end) {
   const double t = simulation.ledger().time;
+  so_far_.peak_kinetic = std::max(so_far_.peak_kinetic, simulation.ledger().kinetic);
+  if (simulation.ledger().kinetic >= stop_below_ * so_far_.peak_kinetic) so_far_.last_flow = t;
+  if (maps_.due(t)) maps_.add(t, simulation.flow());
   if (noise_.due(t)) noise_.add(t, simulation.pressures());
   const bool picture = picture_is_due(t);
   const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);
@@ -72,6 +83,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   if (!snapshot && !picture) return;
   Observation seen = simulation.observe();
   if (picture) pictures_.add(seen);
+  if (picture) maps_.write_instant(t, simulation.flow());
   if (snapshot) snapshots_.add(std::move(seen));
 }
 
@@ -93,6 +105,7 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   for (int i = int(so_far_.snapshots.size()); i < snapshots_.size(); ++i) put_on_disk(snapshots_.file(i));
   for (int i = int(so_far_.instants.size()); i < int(pictures_.times().size()); ++i) put_on_disk(pictures_.instant(i));
   so_far_.pressure_noise = noise_.state();
+  so_far_.maps = maps_.state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
   checkpoints_.write(so_far_, simulation);

@@ -49,7 +49,7 @@ class Run {
   void write_results();
   void print_results(const std::vector<Picture>& drawn) const;
 
-  bool is_at_end() const { return simulation_->ledger().time >= case_.end; }
+  bool is_at_end() const { return simulation_->ledger().time >= case_.end || recorder_.has_come_to_rest(*simulation_); }
   std::string how_to_resume() const { return command_to_resume(task_, task_.folder, options_.threads); }
 
   const RunOptions& options_;
@@ -59,6 +59,7 @@ class Run {
   std::unique_ptr<Simulation> simulation_;
   OutlineFinder outlines_;
   RunSummary summary_;
+  std::vector<Picture> map_pictures_;  ///< of a run on terrain
   Recorder recorder_;
   Progress progress_;
   std::optional<Failure> failure_;
@@ -179,6 +180,12 @@ void Run::complete_summary() {
   summary_.ledger = simulation_->ledger();
   summary_.tally = simulation_->tally();
   summary_.end = outlines_.find(simulation_->places());
+  if (recorder_.maps().any()) {
+    MapsAtEnd maps = recorder_.maps().write(summary_.ledger.time, simulation_->flow());
+    map_pictures_ = std::move(maps.pictures);
+    summary_.runout = maps.runout;
+  }
+  summary_.came_to_rest = recorder_.has_come_to_rest(*simulation_) && simulation_->ledger().time < case_.end;
   summary_.noise = recorder_.noise().shares();
   summary_.bytes = simulation_->bytes();
   summary_.n_snapshots = recorder_.snapshots().size();
@@ -205,8 +212,12 @@ int Run::stopped_by(int signal) const {
 
 void Run::write_results() {
   const fs::path& folder = task_.folder;
-  const std::vector<Picture> drawn = recorder_.pictures().draw();
-  const std::vector<Chart> charts = charts_of(recorder_.history(), length_unit_for(extent(case_)));
+  std::vector<Picture> drawn = recorder_.pictures().draw();
+  std::vector<Chart> charts = charts_of(recorder_.history(), length_unit_for(extent(case_)));
+  if (case_.map) {
+    std::erase_if(charts, [](const Chart& chart) { return chart.name == "front" || chart.name == "height"; });
+    drawn = map_pictures_;
+  }
   if (!drawn.empty())
     for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
   write_report(folder, case_, summary_, drawn, charts);
@@ -215,6 +226,9 @@ void Run::write_results() {
 
 void Run::print_results(const std::vector<Picture>& drawn) const {
   fmt::print(stderr, "{}\n", in_words(summary_.tally));
+  if (summary_.came_to_rest)
+    fmt::print(stderr, "ended at rest: kinetic energy has stayed below {:g} of its largest value (`stop_below`)\n",
+               case_.stop_below);
   if (const std::string notice = notice_of_outflow(summary_.ledger); !notice.empty())
     fmt::print(stderr, "{}\n", notice);
   for (const std::string& w : summary_.warnings) fmt::print(stderr, "warning: {}\n", w);

@@ -1,5 +1,5 @@
 #pragma once
-/// The cases and element tests of the folder cases/, which are part of the program.
+/// The cases and element tests of the folder cases/ and the maps that they name, which are part of the program.
 
 #include <span>
 #include <string_view>
@@ -11,6 +11,13 @@ struct Template {
   std::string_view text;
 };
 
+/// A file that a template names.
+struct TemplateMap {
+  std::string_view path;  ///< from the template, "NAME/FILE" in a folder with the template's name
+  std::string_view bytes;
+};
+
 std::span<const Template> templates();
+std::span<const TemplateMap> template_maps();
 
 }  // namespace talus

@@ -141,95 +141,168 @@ Price price_of(const Calibration& calibration) {
   return price;
 }
 
-std::optional<CalibrationResult> calibrate(const Calibration& calibration, Backend& loop, CalibrationState& state,
-                                           const CalibrationObserver& observer) {
-  const Clock clock(state.seconds);
-  const long evaluations_before = state.evaluations;
-  Residuals residuals(calibration, loop);
-  const std::vector<Pass> passes = passes_of(calibration);
-  const Price price = price_of(calibration);
-  const auto stopped = [&] { return observer.stop && observer.stop(); };
-  const auto save = [&] {
-    state.fingerprint = calibration.fingerprint;
-    state.seconds = clock.seconds();
-    state.evaluations = evaluations_before + residuals.n_evaluations();
-    if (observer.save) observer.save(state);
-  };
-  const auto show = [&](const std::string& where, double misfit) {
-    if (!observer.progress) return;
-    const long done = evaluations_before + residuals.n_evaluations();
-    const double left = double(std::max(1l, price.of_searches + price.of_leave_one_out - done));
-    observer.progress(where, misfit, done, left * clock.seconds() / double(std::max(1l, done)));
-  };
-  if (state.starts.empty()) {
-    state.starts = draw_starts(residuals);
-    state.search = {state.starts[0]};
-    save();
-  }
-  while (state.finished.size() < state.starts.size()) {
-    const std::size_t number = state.finished.size();
-    int evaluations = 0;
-    for (; state.pass < int(passes.size()); ++state.pass, state.search = SearchState{state.search.x}) {
-      const Pass& pass = passes[std::size_t(state.pass)];
-      bool interrupted = false;
-      search(residuals, pass.parameters, pass.rows, state.search, [&](const SearchState& s, double sum) {
-        save();
-        show(fmt::format("start {} of {}, {}, iteration {}", number + 1, state.starts.size(), pass.name, s.iteration),
-             std::sqrt(objective(calibration, sum)));
-        interrupted = stopped();
-        return !interrupted;
-      });
-      if (interrupted) return std::nullopt;
-      evaluations += state.search.evaluations;
-    }
-    const double sum = sum_of_squares(residuals.at(state.search.x), all_rows(calibration));
-    state.finished.push_back({state.starts[number], state.search.x, objective(calibration, sum), evaluations});
-    state.pass = 0;
-    if (state.finished.size() < state.starts.size()) state.search = {state.starts[state.finished.size()]};
-    save();
-  }
+namespace {
 
-  CalibrationResult result;
-  result.starts = state.finished;
-  for (std::size_t i = 1; i < result.starts.size(); ++i)
-    if (result.starts[i].objective < result.starts[result.best].objective) result.best = i;
-  result.x = result.starts[result.best].x;
-  result.law = law_at(calibration, result.x);
-  const Evaluation start = residuals.at(start_of_material(calibration)), here = residuals.at(result.x);
-  result.objective_start = objective(calibration, sum_of_squares(start, all_rows(calibration)));
-  result.objective = objective(calibration, sum_of_squares(here, all_rows(calibration)));
-  const double misfit = std::sqrt(result.objective);
-  show("standard errors", misfit);
-  const std::vector<Matrix> jacobian = residuals.jacobian(result.x, here, passes.back().parameters, true);
-  result.statistics = statistics_at(calibration, result.x, here, jacobian);
-  result.findings = findings_of(calibration, result.statistics);
-  if (stopped()) return std::nullopt;
-  if (calibration.settings.leave_one_out && groups_of(calibration).size() > 1) {
-    show("leaving out each test", misfit);
-    result.left_out = leave_one_out(residuals, result.x, here, jacobian);
-    result.jackknife = jackknife_errors(result.left_out);
-    for (Eigen::Index p = 0; p < result.x.size(); ++p)
-      result.jackknife[p] *= std::abs(slope_of(calibration.free[std::size_t(p)], result.x[p]));
+/// A calibration in progress: what it computes with, and what it reports.
+class CalibrationRun {
+ public:
+  CalibrationRun(const Calibration& calibration, Backend& loop, CalibrationState& state,
+                 const CalibrationObserver& observer)
+      : calibration_(calibration),
+        loop_(loop),
+        state_(state),
+        observer_(observer),
+        clock_(state.seconds),
+        evaluations_before_(state.evaluations),
+        residuals_(calibration, loop),
+        passes_(passes_of(calibration)),
+        price_(price_of(calibration)) {}
+
+  /// Finishes all starts. False if the observer stopped it, here and below.
+  bool search_all_starts();
+  /// The result at the best of the finished starts.
+  std::optional<CalibrationResult> result();
+
+ private:
+  /// The passes of the present start that are left. Returns the evaluations they took; none if stopped.
+  std::optional<int> search_passes();
+  bool compute_statistics(CalibrationResult& result, const Evaluation& here);
+  void leave_out_each_group(CalibrationResult& result, const Evaluation& here, const std::vector<Matrix>& jacobian);
+  void predict_tests(CalibrationResult& result);
+
+  bool stopped() const { return observer_.stop && observer_.stop(); }
+  long evaluations() const { return evaluations_before_ + residuals_.n_evaluations(); }
+  double objective_at(const Evaluation& e) const {
+    return objective(calibration_, sum_of_squares(e, all_rows(calibration_)));
   }
-  if (stopped()) return std::nullopt;
-  if (calibration.settings.suggest_tests) {
-    show("which further test would help", misfit);
-    result.suggestions = suggest_tests(residuals, result.x, result.statistics);
+  void save();
+  void show(const std::string& where, double misfit) const;
+
+  const Calibration& calibration_;
+  Backend& loop_;
+  CalibrationState& state_;
+  const CalibrationObserver& observer_;
+  Clock clock_;
+  long evaluations_before_;
+  Residuals residuals_;
+  std::vector<Pass> passes_;
+  Price price_;
+};
+
+void CalibrationRun::save() {
+  state_.fingerprint = calibration_.fingerprint;
+  state_.seconds = clock_.seconds();
+  state_.evaluations = evaluations();
+  if (observer_.save) observer_.save(state_);
+}
+
+void CalibrationRun::show(const std::string& where, double misfit) const {
+  if (!observer_.progress) return;
+  const double left = double(std::max(1l, price_.of_searches + price_.of_leave_one_out - evaluations()));
+  observer_.progress(where, misfit, evaluations(), left * clock_.seconds() / double(std::max(1l, evaluations())));
+}
+
+std::optional<int> CalibrationRun::search_passes() {
+  int n = 0;
+  for (; state_.pass < int(passes_.size()); ++state_.pass, state_.search = SearchState{state_.search.x}) {
+    const Pass& pass = passes_[std::size_t(state_.pass)];
+    bool interrupted = false;
+    search(residuals_, pass.parameters, pass.rows, state_.search, [&](const SearchState& s, double sum) {
+      save();
+      show(fmt::format("start {} of {}, {}, iteration {}", state_.finished.size() + 1, state_.starts.size(), pass.name,
+                       s.iteration),
+           std::sqrt(objective(calibration_, sum)));
+      interrupted = stopped();
+      return !interrupted;
+    });
+    if (interrupted) return std::nullopt;
+    n += state_.search.evaluations;
   }
-  result.tests.resize(calibration.tests.size());
-  const AnyLaw first = law_at(calibration, start_of_material(calibration));
-  loop.for_each(int(calibration.tests.size()), [&](int i, int) {
-    const MeasuredTest& test = calibration.tests[std::size_t(i)];
+  return n;
+}
+
+bool CalibrationRun::search_all_starts() {
+  if (state_.starts.empty()) {
+    state_.starts = draw_starts(residuals_);
+    state_.search = {state_.starts[0]};
+    save();
+  }
+  while (state_.finished.size() < state_.starts.size()) {
+    const std::optional<int> n = search_passes();
+    if (!n) return false;
+    const Vector& from = state_.starts[state_.finished.size()];
+    const double reached = objective_at(residuals_.at(state_.search.x));
+    state_.finished.push_back({from, state_.search.x, reached, *n});
+    state_.pass = 0;
+    if (state_.finished.size() < state_.starts.size()) state_.search = {state_.starts[state_.finished.size()]};
+    save();
+  }
+  return true;
+}
+
+void CalibrationRun::leave_out_each_group(CalibrationResult& result, const Evaluation& here,
+                                          const std::vector<Matrix>& jacobian) {
+  show("leaving out each test", std::sqrt(result.objective));
+  result.left_out = leave_one_out(residuals_, result.x, here, jacobian);
+  result.jackknife = jackknife_errors(result.left_out);
+  for (Eigen::Index p = 0; p < result.x.size(); ++p)
+    result.jackknife[p] *= std::abs(slope_of(calibration_.free[std::size_t(p)], result.x[p]));
+}
+
+bool CalibrationRun::compute_statistics(CalibrationResult& result, const Evaluation& here) {
+  show("standard errors", std::sqrt(result.objective));
+  const std::vector<Matrix> jacobian = residuals_.jacobian(result.x, here, passes_.back().parameters, true);
+  result.statistics = statistics_at(calibration_, result.x, here, jacobian);
+  result.findings = findings_of(calibration_, result.statistics);
+  if (stopped()) return false;
+  if (calibration_.settings.leave_one_out && groups_of(calibration_).size() > 1)
+    leave_out_each_group(result, here, jacobian);
+  if (stopped()) return false;
+  if (calibration_.settings.suggest_tests) {
+    show("which further test would help", std::sqrt(result.objective));
+    result.suggestions = suggest_tests(residuals_, result.x, result.statistics);
+  }
+  return true;
+}
+
+void CalibrationRun::predict_tests(CalibrationResult& result) {
+  result.tests.resize(calibration_.tests.size());
+  const AnyLaw first = law_at(calibration_, start_of_material(calibration_));
+  loop_.for_each(int(calibration_.tests.size()), [&](int i, int) {
+    const MeasuredTest& test = calibration_.tests[std::size_t(i)];
     TestResult& one = result.tests[std::size_t(i)];
-    one.start = predict(test, first, calibration.settings.precision);
-    one.fitted = predict(test, result.law, calibration.settings.precision);
+    one.start = predict(test, first, calibration_.settings.precision);
+    one.fitted = predict(test, result.law, calibration_.settings.precision);
     one.misfits_start = misfits_of(test, one.start);
     one.misfits_fitted = misfits_of(test, one.fitted);
   });
-  result.evaluations = evaluations_before + residuals.n_evaluations();
-  result.seconds = clock.seconds();
-  result.threads = loop.n_workers();
+}
+
+std::optional<CalibrationResult> CalibrationRun::result() {
+  CalibrationResult result;
+  result.starts = state_.finished;
+  for (std::size_t i = 1; i < result.starts.size(); ++i)
+    if (result.starts[i].objective < result.starts[result.best].objective) result.best = i;
+  result.x = result.starts[result.best].x;
+  result.law = law_at(calibration_, result.x);
+  const Evaluation start = residuals_.at(start_of_material(calibration_)), here = residuals_.at(result.x);
+  result.objective_start = objective_at(start);
+  result.objective = objective_at(here);
+  if (!compute_statistics(result, here)) return std::nullopt;
+  predict_tests(result);
+  result.evaluations = evaluations();
+  result.seconds = clock_.seconds();
+  result.threads = loop_.n_workers();
   return result;
+}
+
+}  // namespace
+
+std::optional<CalibrationResult> calibrate(const Calibration& calibration, Backend& loop, CalibrationState& state,
+                                           const CalibrationObserver& observer) {
+  CalibrationRun run(calibration, loop, state, observer);
+  if (!run.search_all_starts()) return std::nullopt;
+  return run.result();
 }
 
 }  // namespace talus

@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <cmath>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
 
 #include "talus/base/file.hpp"
+#include "talus/base/table.hpp"
 
 namespace talus {
 
@@ -39,6 +42,23 @@ std::vector<std::string> split_cells(std::string_view line) {
   }
 }
 
+bool is_identifier(const std::string& name) {
+  return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
+         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+}
+
+/// The rows of a table, by number, that fulfil a condition.
+template <class Condition>
+MeasuredTable rows_of(const MeasuredTable& table, Condition holds) {
+  MeasuredTable chosen{table.path, table.names, {}, {}};
+  for (std::size_t i = 0; i < table.cells.size(); ++i) {
+    if (!holds(i)) continue;
+    chosen.cells.push_back(table.cells[i]);
+    chosen.lines.push_back(table.lines[i]);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 int MeasuredTable::column(std::string_view name) const {
@@ -55,35 +75,33 @@ std::vector<std::string> MeasuredTable::values_of(int column) const {
 }
 
 MeasuredTable MeasuredTable::where(int column, std::string_view is) const {
-  MeasuredTable chosen{path, names, {}, {}};
   const double as_number = number_in(is);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
+  return rows_of(*this, [&](std::size_t i) {
     const std::string& cell = cells[i][std::size_t(column)];
-    if (cell != is && number_in(cell) != as_number) continue;
-    chosen.cells.push_back(cells[i]);
-    chosen.lines.push_back(lines[i]);
-  }
-  return chosen;
+    return cell == is || number_in(cell) == as_number;
+  });
 }
 
 MeasuredTable MeasuredTable::only(const std::string& formula) const {
-  const std::vector<double> holds = evaluate(formula, numbers());
-  MeasuredTable chosen{path, names, {}, {}};
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (holds[i] == 0 || holds[i] != holds[i]) continue;
-    chosen.cells.push_back(cells[i]);
-    chosen.lines.push_back(lines[i]);
-  }
-  return chosen;
+  const std::vector<double> values = compute(formula);
+  return rows_of(*this, [&](std::size_t i) { return values[i] != 0 && !std::isnan(values[i]); });
 }
 
-NumberTable MeasuredTable::numbers() const {
-  NumberTable table{names, {}, lines};
-  for (const auto& row : cells) {
-    std::vector<double>& values = table.rows.emplace_back();
-    for (const std::string& cell : row) values.push_back(number_in(cell));
+std::vector<double> MeasuredTable::compute(const std::string& formula) const {
+  NumberTable nameable;
+  nameable.rows.resize(cells.size());
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (!is_identifier(names[c])) continue;
+    nameable.names.push_back(names[c]);
+    for (std::size_t i = 0; i < cells.size(); ++i) nameable.rows[i].push_back(number_in(cells[i][c]));
   }
-  return table;
+  return evaluate(formula, nameable);
+}
+
+std::vector<double> MeasuredTable::numbers_of(int column) const {
+  std::vector<double> numbers;
+  for (const auto& row : cells) numbers.push_back(number_in(row[std::size_t(column)]));
+  return numbers;
 }
 
 MeasuredTable read_measured_table(const std::string& path) {

@@ -2,9 +2,8 @@
 /// Tables of measurements as laboratories and simulations leave them: CSV with text in some columns.
 
 #include <string>
+#include <string_view>
 #include <vector>
-
-#include "talus/base/table.hpp"
 
 namespace talus {
 
@@ -23,8 +22,11 @@ struct MeasuredTable {
   MeasuredTable where(int column, std::string_view is) const;
   /// Rows in which a formula of the columns holds, `rate <= 0.01`. Throws std::runtime_error where it is wrong.
   MeasuredTable only(const std::string& formula) const;
-  /// Cells as numbers, NaN where there is none.
-  NumberTable numbers() const;
+  /// The value of a formula in every row. It can name columns whose names are identifiers: `q_kPa`, but not `q [kPa]`.
+  /// Throws std::runtime_error where it is wrong.
+  std::vector<double> compute(const std::string& formula) const;
+  /// The cells of a column as numbers, NaN where there is none.
+  std::vector<double> numbers_of(int column) const;
 };
 
 /// Reads a file. Throws std::runtime_error with the line where it is wrong.

@@ -62,16 +62,6 @@ std::string file_name(std::size_t number, const std::string& name) {
   return fmt::format("{:03}_{}", number + 1, slug.substr(0, 60));
 }
 
-std::string leading_name(const MeasuredTest& test) {
-  switch (test.kind) {
-    case TestKind::triaxial: return "axial_strain";
-    case TestKind::oedometer: return "axial_stress";
-    case TestKind::isotropic_compression: return "pressure";
-    case TestKind::simple_shear: return "shear_strain";
-    case TestKind::grain_shear: return "shear_rate";
-  }
-  return "";
-}
 std::string leading_unit(const MeasuredTest& test) {
   return test.kind == TestKind::grain_shear ? "1/s" : test.is_led_by_stress() ? "Pa" : "1";
 }
@@ -138,14 +128,15 @@ std::string plot_of(const MeasuredTest& test, const std::string& file) {
   script += fmt::format("set multiplot layout 1,{} title {}\n", chosen.size(), gnuplot_text(test.name));
   double largest = 0;
   for (double x : test.leading) largest = std::max(largest, std::abs(x));
-  const Display x = display_of(leading_unit(test), leading_name(test), largest);
+  const std::string leading(leading_quantity(test.kind));
+  const Display x = display_of(leading_unit(test), leading, largest);
   for (std::size_t k : chosen) {
     const MeasuredQuantity& q = test.quantities[k];
     const auto [low, high] = std::minmax_element(q.values.begin(), q.values.end());
     const Display y = display_of(q.unit, q.name, std::max(std::abs(*low), std::abs(*high)));
     script += fmt::format("unset logscale\n{}{}set xlabel {}\nset ylabel {}\n",
                           grains || test.is_led_by_stress() ? "set logscale x\n" : "",
-                          q.logarithmic ? "set logscale y\n" : "", gnuplot_text(label_of(leading_name(test), x)),
+                          q.logarithmic ? "set logscale y\n" : "", gnuplot_text(label_of(leading, x)),
                           gnuplot_text(label_of(q.name, y)));
     script += grains || test.is_led_by_stress() ? "set format x '10^{%L}'\n" : "set format x '%g'\n";
     script += q.logarithmic ? "set format y '10^{%L}'\n" : "set format y '%g'\n";
@@ -170,7 +161,7 @@ std::string plot_of(const MeasuredTest& test, const std::string& file) {
   return script + "unset multiplot\n";
 }
 
-// ---- page ----------------------------------------------------------------------------------------------------------
+// ---- tables --------------------------------------------------------------------------------------------------------
 
 std::string with_its_unit(double x, const std::string& unit, int digits) {
   return std::isfinite(x) ? escaped(rounded_with_unit(x, unit, digits)) : "&ndash;";
@@ -263,11 +254,9 @@ std::string misfit_tables(const Calibration& c, const CalibrationResult& r) {
       "<th>fitted</th><th>test predicted without itself</th></tr>\n";
   for (std::size_t t = 0; t < c.tests.size(); ++t) {
     const MeasuredTest& test = c.tests[t];
-    std::string without;
-    for (const LeftOut& l : r.left_out)
-      for (std::size_t i = 0; i < l.tests.size(); ++i)
-        if (l.tests[i] == int(t))
-          without = fmt::format("{:.3f} (fitted {:.3f})", l.misfits_without[i], l.misfits_with[i]);
+    const std::optional<LeftOutMisfit> left_out = left_out_misfit(r, t);
+    const std::string without =
+        left_out ? fmt::format("{:.3f} (fitted {:.3f})", left_out->without, left_out->with) : "";
     for (std::size_t k = 0; k < test.quantities.size(); ++k)
       out += fmt::format(
           "<tr><td>{}</td><td>{}</td><td class=\"n\">{:g}</td><td class=\"n\">{:.3f}</td><td "
@@ -300,6 +289,78 @@ std::string starts_table(const Calibration& c, const CalibrationResult& r) {
   return out + "</table>\n";
 }
 
+// ---- sections of the page ------------------------------------------------------------------------------------------
+
+std::string summary(const Calibration& c, const CalibrationResult& r) {
+  return fmt::format(
+      "<h1>{}</h1>\n<p>Law <code>{}</code>, {} free parameter{}, {} test{}. Root mean square misfit {:.4f} at the "
+      "start, <b>{:.4f}</b> fitted. {} computations of all tests in {:.0f} s on {} thread{}; talus {}.</p>\n",
+      escaped(c.title), name_of(r.law), c.free.size(), c.free.size() == 1 ? "" : "s", c.tests.size(),
+      c.tests.size() == 1 ? "" : "s", std::sqrt(r.objective_start), std::sqrt(r.objective), r.evaluations, r.seconds,
+      r.threads, r.threads == 1 ? "" : "s", escaped(version()));
+}
+
+std::string findings_section(const Calibration& c, const CalibrationResult& r) {
+  std::string out = "<h2>What the tests determine, and what they do not</h2>\n";
+  if (r.findings.empty())
+    out += "<p class=\"good\">All free parameters are determined by the tests; no bound was hit.</p>\n";
+  for (const std::string& finding : r.findings) out += "<div class=\"warning\">" + with_names(finding) + "</div>\n";
+  if (r.suggestions.empty()) return out;
+  out += "<p>Tests that would help:</p><ul>\n";
+  for (const Suggestion& s : r.suggestions) out += "<li>" + with_names(suggestion_in_words(c, s)) + "</li>\n";
+  return out + "</ul>\n";
+}
+
+std::string parameters_section(const Calibration& c, const CalibrationResult& r) {
+  return "<h2>Parameters</h2>\n" + parameters_table(c, r) +
+         "<p>Standard errors allow for residuals that are correlated along each curve and differ from test to test. "
+         "Jackknife: from the scatter of the parameters when each test is left out in turn.</p>\n"
+         "<h3>Material block</h3>\n<pre>" +
+         escaped(material_block(c, r)) + "</pre>\n<h3>Constants of a user material</h3>\n<pre>" +
+         escaped(user_material(c, r)) + "</pre>\n";
+}
+
+/// Misfits, correlation, and what each test informs.
+std::string tables_section(const Calibration& c, const CalibrationResult& r) {
+  return "<h2>Misfits</h2>\n<p>Root mean square difference over the largest measured value of the test; of void ratio "
+         "and solid fraction over their measured range; of stresses in grain shear the root mean square of "
+         "ln(computed/measured).</p>\n" +
+         misfit_tables(c, r) +
+         "<h2>Correlation</h2>\n<p>Correlation of the parameters from the derivatives of all predictions. Two "
+         "parameters above 0.95 can hardly be told apart by these tests.</p>\n" +
+         correlation_table(c, r) +
+         "<h2>What each test informs</h2>\n<p>Share of each test in what all tests say about a parameter, the others "
+         "held (diagonal of J<sup>T</sup>J).</p>\n<details" +
+         std::string(c.tests.size() <= 12 ? " open" : "") + "><summary>Table</summary>" + information_table(c, r) +
+         "</details>\n";
+}
+
+/// Empty if there was one start.
+std::string starts_section(const Calibration& c, const CalibrationResult& r) {
+  if (r.starts.size() < 2) return "";
+  return fmt::format(
+             "<h2>Starts</h2>\n<p>The first start is the material in the file, the others are drawn with seed "
+             "{}.</p>\n",
+             c.settings.seed) +
+         starts_table(c, r);
+}
+
+/// The pictures of the tests, where there are any.
+std::string tests_section(const fs::path& folder, const Calibration& c, const CalibrationResult& r, bool drawn) {
+  std::string out =
+      "<h2>Tests</h2>\n<p>Points are measured, blue lines fitted, dashed lines the start values.</p>\n<div "
+      "class=\"charts\">\n";
+  for (std::size_t t = 0; drawn && t < c.tests.size(); ++t) {
+    const fs::path image = folder / "tests" / (file_name(t, c.tests[t].name) + ".svg");
+    if (!fs::exists(image)) continue;
+    std::vector<std::string> words;
+    for (std::size_t k : drawn_quantities(c.tests[t]))
+      words.push_back(fmt::format("{} {:.3f}", c.tests[t].quantities[k].name, r.tests[t].misfits_fitted[k]));
+    out += embedded_figure(image, fmt::format("{}: misfit {}", c.tests[t].name, fmt::join(words, ", ")));
+  }
+  return out + "</div>\n";
+}
+
 }  // namespace
 
 bool draw_tests(const fs::path& folder, const Calibration& c, const CalibrationResult& r) {
@@ -329,69 +390,12 @@ std::string suggestion_in_words(const Calibration& c, const Suggestion& s) {
 }
 
 std::string calibration_page(const fs::path& folder, const Calibration& c, const CalibrationResult& r, bool drawn) {
-  std::string out = page_head(c.title) + "<h1>" + escaped(c.title) + "</h1>\n";
-  out += fmt::format(
-      "<p>Law <code>{}</code>, {} free parameter{}, {} test{}. Root mean square misfit {:.4f} at the start, "
-      "<b>{:.4f}</b> fitted. "
-      "{} computations of all tests in {:.0f} s on {} thread{}; talus {}.</p>\n",
-      name_of(r.law), c.free.size(), c.free.size() == 1 ? "" : "s", c.tests.size(), c.tests.size() == 1 ? "" : "s",
-      std::sqrt(r.objective_start), std::sqrt(r.objective), r.evaluations, r.seconds, r.threads,
-      r.threads == 1 ? "" : "s", escaped(version()));
-  out += "<h2>What the tests determine, and what they do not</h2>\n";
-  if (r.findings.empty())
-    out += "<p class=\"good\">All free parameters are determined by the tests; no bound was hit.</p>\n";
-  for (const std::string& finding : r.findings) out += "<div class=\"warning\">" + with_names(finding) + "</div>\n";
-  if (!r.suggestions.empty()) {
-    out += "<p>Tests that would help:</p><ul>\n";
-    for (const Suggestion& s : r.suggestions) out += "<li>" + with_names(suggestion_in_words(c, s)) + "</li>\n";
-    out += "</ul>\n";
-  }
-  out += "<h2>Parameters</h2>\n" + parameters_table(c, r);
-  out +=
-      "<p>Standard errors allow for residuals that are correlated along each curve and differ from test to test. "
-      "Jackknife: from the scatter of the parameters when each test is left out in turn.</p>\n";
-  out += "<h3>Material block</h3>\n<pre>" + escaped(material_block(c, r)) +
-         "</pre>\n<h3>Constants of a user material</h3>\n<pre>" + escaped(user_material(c, r)) + "</pre>\n";
-  out +=
-      "<h2>Misfits</h2>\n<p>Root mean square difference over the largest measured value of the test; of void ratio and "
-      "solid "
-      "fraction over their measured range; of stresses in grain shear the root mean square of "
-      "ln(computed/measured).</p>\n" +
-      misfit_tables(c, r);
-  out +=
-      "<h2>Correlation</h2>\n<p>Correlation of the parameters from the derivatives of all predictions. Two parameters "
-      "above "
-      "0.95 can hardly be told apart by these tests.</p>\n" +
-      correlation_table(c, r);
-  out +=
-      "<h2>What each test informs</h2>\n<p>Share of each test in what all tests say about a parameter, the others held "
-      "(diagonal of J<sup>T</sup>J).</p>\n<details" +
-      std::string(c.tests.size() <= 12 ? " open" : "") + "><summary>Table</summary>" + information_table(c, r) +
-      "</details>\n";
-  if (r.starts.size() > 1)
-    out +=
-        fmt::format(
-            "<h2>Starts</h2>\n<p>The first start is the material in the file, the others are drawn with seed {}.</p>\n",
-            c.settings.seed) +
-        starts_table(c, r);
-  out +=
-      "<h2>Tests</h2>\n<p>Points are measured, blue lines fitted, dashed lines the start values.</p>\n<div "
-      "class=\"charts\">\n";
-  if (drawn)
-    for (std::size_t t = 0; t < c.tests.size(); ++t) {
-      const fs::path image = folder / "tests" / (file_name(t, c.tests[t].name) + ".svg");
-      std::vector<std::string> words;
-      for (std::size_t k : drawn_quantities(c.tests[t]))
-        words.push_back(fmt::format("{} {:.3f}", c.tests[t].quantities[k].name, r.tests[t].misfits_fitted[k]));
-      if (fs::exists(image))
-        out += embedded_figure(image, fmt::format("{}: misfit {}", c.tests[t].name, fmt::join(words, ", ")));
-    }
-  out +=
-      "</div>\n<h2>Files</h2>\n<p>Beside this page: <code>material.toml</code>, <code>user_material.inp</code>, "
-      "<code>result.json</code>, <code>parameters.csv</code>, <code>misfits.csv</code>, <code>correlation.csv</code>, "
-      "<code>information.csv</code>; in <code>tests/</code> the curves (.dat), pictures (.svg) and the gnuplot script "
-      "<code>draw.gp</code>.</p>\n</body></html>\n";
-  return out;
+  return page_head(c.title) + summary(c, r) + findings_section(c, r) + parameters_section(c, r) + tables_section(c, r) +
+         starts_section(c, r) + tests_section(folder, c, r, drawn) +
+         "<h2>Files</h2>\n<p>Beside this page: <code>material.toml</code>, <code>user_material.inp</code>, "
+         "<code>result.json</code>, <code>parameters.csv</code>, <code>misfits.csv</code>, "
+         "<code>correlation.csv</code>, <code>information.csv</code>; in <code>tests/</code> the curves (.dat), "
+         "pictures (.svg) and the gnuplot script <code>draw.gp</code>.</p>\n</body></html>\n";
 }
 
 }  // namespace talus

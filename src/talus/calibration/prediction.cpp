@@ -87,7 +87,7 @@ double k0_of(const AnyLaw& law) {
 
 // ---- what is read off ------------------------------------------------------------------------------------------------
 
-/// ResultColumns of a result that quantities are computed from.
+/// Columns of a result that quantities are computed from.
 struct ResultColumns {
   int strain[6], stress[6];
 
@@ -377,6 +377,12 @@ Prediction predict(const MeasuredTest& test, const AnyLaw& law, double precision
     prediction.failure = e.what();
     return prediction;
   }
+}
+
+double scale_of(std::string_view quantity, const std::vector<double>& values) {
+  if (quantity == "void_ratio" || quantity == "solid_fraction") return range_of(values);
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return std::max(std::abs(*low), std::abs(*high));
 }
 
 std::vector<std::vector<double>> differences_of(const MeasuredTest& test, const Prediction& prediction) {

@@ -2,6 +2,7 @@
 /// What a law predicts for a measured test: the element driver along the measured path, read off at the measured rows.
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "talus/calibration/specification.hpp"
@@ -33,6 +34,10 @@ struct Prediction {
   int n_unsteady = 0;       ///< states of grain shear that still changed by more than 2 % at the end
 };
 Prediction predict(const MeasuredTest& test, const AnyLaw& law, double precision);
+
+/// The usual scale of a quantity whose differences are not logarithmic: its largest magnitude; of void ratio and solid
+/// fraction the range.
+double scale_of(std::string_view quantity, const std::vector<double>& values);
 
 /// Differences between prediction and measurement over the scale, [quantity][row]; 1 where the law
 /// cannot carry the start, and in rows that the driver did not reach.

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <set>
+#include <sstream>
 
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "talus/base/text.hpp"
 #include "talus/base/units.hpp"
+#include "talus/calibration/prediction.hpp"
 #include "talus/case/material.hpp"
 
 namespace talus {
@@ -122,35 +124,24 @@ struct Asked {
   double factor;
 };
 
-bool is_identifier(const std::string& name) {
-  return !name.empty() && !std::isdigit(static_cast<unsigned char>(name[0])) &&
-         std::all_of(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) || c == '_'; });
+/// What to write instead of a name that is no column of a table.
+std::string suggest_column(const std::string& name, const MeasuredTable& table) {
+  const std::vector<std::string_view> names(table.names.begin(), table.names.end());
+  const std::string_view alike = most_alike(name, names);
+  return alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike);
 }
 
 /// The values of a formula, or of a column of just this name.
 std::vector<double> values_of(const Asked& asked, const MeasuredTable& table) {
-  const NumberTable all = table.numbers();
   std::vector<double> values;
   if (const int column = table.column(asked.formula); column >= 0) {
-    for (const auto& row : all.rows) values.push_back(row[std::size_t(column)]);
+    values = table.numbers_of(column);
   } else {
-    NumberTable known;  // columns that a formula can name
-    std::vector<std::size_t> chosen;
-    for (std::size_t c = 0; c < all.names.size(); ++c)
-      if (is_identifier(all.names[c])) chosen.push_back(c);
-    for (std::size_t c : chosen) known.names.push_back(all.names[c]);
-    for (const auto& row : all.rows) {
-      auto& numbers = known.rows.emplace_back();
-      for (std::size_t c : chosen) numbers.push_back(row[c]);
-    }
     try {
-      values = evaluate(asked.formula, known);
+      values = table.compute(asked.formula);
     } catch (const std::runtime_error& e) {
-      const std::vector<std::string_view> names(table.names.begin(), table.names.end());
-      const std::string_view alike = most_alike(asked.formula, names);
-      throw std::runtime_error(
-          fmt::format("is neither a column of {} nor a formula of its columns ({}); {}", table.path, e.what(),
-                      alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
+      throw std::runtime_error(fmt::format("is neither a column of {} nor a formula of its columns ({}); {}",
+                                           table.path, e.what(), suggest_column(asked.formula, table)));
     }
   }
   for (double& v : values) v *= asked.factor;
@@ -248,22 +239,16 @@ struct Request {
   }
 };
 
+/// The column of the leading quantity.
 std::string leading_key(const Request& r) {
-  switch (r.kind) {
-    case TestKind::triaxial: return "axial_strain";
-    case TestKind::oedometer: return "axial_stress";
-    case TestKind::isotropic_compression: return "pressure";
-    case TestKind::simple_shear: return r.has("engineering_shear_strain") ? "engineering_shear_strain" : "shear_strain";
-    case TestKind::grain_shear: return "shear_rate";
-  }
-  return "";
+  return r.has("engineering_shear_strain") ? "engineering_shear_strain" : std::string(leading_quantity(r.kind));
 }
 
 /// The numbers of a test, column by column; rows that are left out are gone.
 using MeasuredColumns = std::map<std::string, std::vector<double>, std::less<>>;
 
 /// Throws std::runtime_error with what is wrong with the numbers.
-MeasuredColumns read_columns(const Request& request, const MeasuredTable& table) {
+MeasuredColumns columns_of(const Request& request, const MeasuredTable& table) {
   MeasuredColumns columns;
   std::vector<char> keep(table.cells.size(), 1);
   for (const Asked& asked : request.columns) {
@@ -391,12 +376,10 @@ void set_quantities(const Request& request, MeasuredColumns columns, MeasuredTes
     const auto weight = request.weights.find(key.key);
     quantity.weight =
         weight != request.weights.end() ? weight->second : default_weight(test.kind, test.drainage, key.key, there);
-    const auto [low, high] = std::minmax_element(quantity.values.begin(), quantity.values.end());
-    const bool by_range = key.key == "void_ratio" || key.key == "solid_fraction";
-    quantity.scale = by_range ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    quantity.scale = scale_of(key.key, quantity.values);
     if (const auto range = request.ranges.find(key.key); range != request.ranges.end()) quantity.scale = range->second;
     quantity.logarithmic = test.kind == TestKind::grain_shear && key.unit == "Pa";
-    if (quantity.logarithmic && !(*low > 0))
+    if (quantity.logarithmic && !(*std::min_element(quantity.values.begin(), quantity.values.end()) > 0))
       throw std::runtime_error(fmt::format("`{}` must be positive in every row", key.key));
     if (quantity.logarithmic) quantity.scale = 1;
     if (!(quantity.scale > 0)) {
@@ -419,7 +402,7 @@ MeasuredTest make_test(const Request& request, const MeasuredTable& table, const
   test.nominal = request.nominal;
   test.strain_rate = request.strain_rate;
   test.steady_strain = request.steady_strain;
-  const MeasuredColumns columns = read_columns(request, table);
+  const MeasuredColumns columns = columns_of(request, table);
   if (test.kind == TestKind::grain_shear) {
     set_states(request, columns, law, test);
   } else {
@@ -441,7 +424,7 @@ MeasuredTest make_test(const Request& request, const MeasuredTable& table, const
 void expect_columns(Section& columns, const Request& r) {
   const auto need = [&](std::initializer_list<std::string_view> keys, std::string_view why) {
     if (std::none_of(keys.begin(), keys.end(), [&](std::string_view k) { return r.has(k); }))
-      columns.complain(fmt::format("{} missing: {}", any_of(keys) + " is", why));
+      columns.complain(fmt::format("{} is missing: {}", any_of(keys), why));
   };
   switch (r.kind) {
     case TestKind::triaxial:
@@ -473,12 +456,164 @@ void expect_columns(Section& columns, const Request& r) {
   }
 }
 
+// ---- parts of an entry ---------------------------------------------------------------------------------------------
+
+TestDrainage read_drainage(Section& s, TestKind kind) {
+  const auto constant_stress_or_volume = [](int choice) {
+    return choice == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
+  };
+  switch (kind) {
+    case TestKind::triaxial: return TestDrainage(s.required_choice(triaxial_drainage));
+    case TestKind::simple_shear: return constant_stress_or_volume(s.required_choice(shear_drainage));
+    case TestKind::grain_shear: return constant_stress_or_volume(s.choice(grain_drainage));
+    default: return TestDrainage::drained;
+  }
+}
+
+/// The rows of a table that an entry asks for, and the column that divides them into tests; empty by default.
+struct RowChoice {
+  std::string where, is, each, only;
+};
+RowChoice read_row_choice(Section& s) {
+  RowChoice choice{s.text(where_key, ""), s.text(is_key, ""), s.text(each_key, ""), s.text(only_key, "")};
+  if (choice.where.empty() != choice.is.empty())
+    s.complain(choice.where.empty() ? "is" : "where", "needs `where` and `is` together");
+  return choice;
+}
+
+/// Stress and void ratio at the start, rates, and which rows are left out.
+void read_conditions(Section& s, Request& request) {
+  const int kind = bit_of(request.kind);
+  request.skip_incomplete = s.flag(skip_key, false);
+  request.void_ratio = s.optional_number(void_ratio_key);
+  if (kind & (of_triaxial | of_shear)) {
+    request.pressure = s.optional_number(pressure_key);
+    request.strain_rate = s.number(strain_rate_key, 1e-4, "quasi-static");
+  }
+  if (kind & (of_oedometer | of_shear)) request.k0 = s.optional_number(k0_key);
+  if (kind & (of_oedometer | of_isotropic)) request.least_stress = s.number(least_stress_key, 1e3);
+  if (kind & of_grains) request.steady_strain = s.number(steady_strain_key, 10);
+}
+
+std::optional<GrainScales> read_scales(Section& s, TestKind kind) {
+  if (kind != TestKind::grain_shear || !s.has("scales")) return std::nullopt;
+  Section t = s.section(scales_table);
+  const double stiffness = t.number(grain_stiffness), d = t.number(grain_diameter), rho_s = t.number(grain_density);
+  t.close();
+  return GrainScales{stiffness, std::sqrt(stiffness / rho_s) / d};
+}
+
+/// The columns, and the measure of their strains.
+void read_columns(Section& s, const MeasuredTable* table, const std::optional<GrainScales>& scales, Request& request) {
+  Section columns = s.section(columns_table);
+  bool strains = false;
+  for (const ColumnKey& key : column_keys) {
+    if (!(key.kinds & bit_of(request.kind))) continue;
+    if (const auto asked = read_column(columns, key, table, scales)) request.columns.push_back(*asked);
+    strains = strains || (request.has(key.key) && key.key.ends_with("strain"));
+  }
+  columns.close(fmt::format("the columns of {} test", test_kind_choices[int(request.kind)].word));
+  expect_columns(columns, request);
+  if (strains) request.nominal = s.required_choice(strains_key) == 0;
+}
+
+void read_weights(Section& s, Request& request) {
+  if (!s.has("weights")) return;
+  Section weights = s.section(weights_table);
+  for (const ColumnKey& key : column_keys) {
+    if (!(key.kinds & bit_of(request.kind))) continue;
+    const auto weight = weights.optional_number(weight_of(key));
+    if (!weight) continue;
+    request.weights[std::string(key.key)] = *weight;
+    const bool derived = request.has("shear_stress") && (key.key == "stress_ratio" || key.key == "friction");
+    if (!request.has(key.key) && !derived) weights.complain(key.key, "has no column: name it in `columns`");
+  }
+  weights.close(fmt::format("the weights of {} test", test_kind_choices[int(request.kind)].word));
+}
+
+/// Whether the table has the columns that choose rows; complains about those it has not.
+bool has_columns(Section& s, const RowChoice& choice, const MeasuredTable& table) {
+  bool all = true;
+  for (const auto& [key, column] : {std::pair("where", choice.where), std::pair("each", choice.each)}) {
+    if (column.empty() || table.column(column) >= 0) continue;
+    s.complain(key, fmt::format("is no column of {}; {}", table.path, suggest_column(column, table)));
+    all = false;
+  }
+  return all;
+}
+
+/// The rows that an entry asks for; none, with a complaint, if there are no such rows.
+std::optional<MeasuredTable> choose_rows(Section& s, const RowChoice& choice, const MeasuredTable& table) {
+  MeasuredTable chosen = table;
+  if (!choice.where.empty()) {
+    const int column = table.column(choice.where);
+    chosen = table.where(column, choice.is);
+    if (chosen.cells.empty()) {
+      const std::vector<std::string> known = table.values_of(column);
+      const std::size_t n_named = std::min<std::size_t>(known.size(), 12);
+      s.complain("is", fmt::format("is not in column `{}` of {}; there is {}{}", choice.where, table.path,
+                                   any_of({known.begin(), known.begin() + std::ptrdiff_t(n_named)}),
+                                   known.size() > n_named ? " ..." : ""));
+      return std::nullopt;
+    }
+  }
+  if (!choice.only.empty()) {
+    try {
+      chosen = chosen.only(choice.only);
+    } catch (const std::runtime_error& e) {
+      s.complain("only", e.what());
+      return std::nullopt;
+    }
+    if (chosen.cells.empty()) {
+      s.complain("only", "holds in no row");
+      return std::nullopt;
+    }
+  }
+  return chosen;
+}
+
+/// Ranges of void ratio and solid fraction over all rows of an entry.
+std::map<std::string, double, std::less<>> ranges_of_volumes(const Request& request, const MeasuredTable& rows) {
+  std::map<std::string, double, std::less<>> ranges;
+  for (const char* key : {"void_ratio", "solid_fraction"}) {
+    if (!request.has(key)) continue;
+    try {
+      const std::vector<double> values = columns_of(request, rows)[key];
+      const auto [low, high] = std::minmax_element(values.begin(), values.end());
+      ranges[key] = *high > *low ? *high - *low : *high;
+    } catch (const std::runtime_error&) {
+      // said of the test that holds the row
+    }
+  }
+  return ranges;
+}
+
+/// The rows of one test.
+struct NamedRows {
+  std::string name;
+  MeasuredTable rows;
+};
+/// One test, or one for every value of the column `each`. Without a `name`, what chooses their rows is their name.
+std::vector<NamedRows> divide(const MeasuredTable& rows, const RowChoice& choice, const std::string& name) {
+  if (choice.each.empty()) {
+    const std::string chosen_by = choice.is.empty() ? std::filesystem::path(rows.path).stem().string() : choice.is;
+    return {{name.empty() ? chosen_by : name, rows}};
+  }
+  std::vector<NamedRows> tests;
+  const int column = rows.column(choice.each);
+  for (const std::string& value : rows.values_of(column)) {
+    const bool bare = name.empty() && !value.empty() && !std::isdigit(static_cast<unsigned char>(value[0]));
+    const std::string before = name.empty() ? choice.each + " =" : name;
+    tests.push_back({bare ? value : fmt::format("{} {}", before, value), rows.where(column, value)});
+  }
+  return tests;
+}
+
 }  // namespace
 
 const Declaration& measured_test_declaration() {
   static const Declaration d = [] {
-    const std::string paths_only[] = {"triaxial", "oedometer", "isotropic_compression", "simple_shear"};
-    const std::vector<std::string> paths(std::begin(paths_only), std::end(paths_only));
+    const std::vector<std::string> paths = {"triaxial", "oedometer", "isotropic_compression", "simple_shear"};
     return Declaration("a measured test",
                        {required(kind_key),
                         optional(name_key),
@@ -522,130 +657,34 @@ const MeasuredTable* MeasuredTestReader::read_table(Section& s) {
 std::vector<MeasuredTest> MeasuredTestReader::read(Section& s) {
   Request request;
   request.kind = TestKind(s.required_choice(kind_key));
-  const int kind = bit_of(request.kind);
-  switch (request.kind) {
-    case TestKind::triaxial: request.drainage = TestDrainage(s.required_choice(triaxial_drainage)); break;
-    case TestKind::simple_shear:
-      request.drainage =
-          s.required_choice(shear_drainage) == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
-      break;
-    case TestKind::grain_shear:
-      request.drainage = s.choice(grain_drainage) == 0 ? TestDrainage::undrained : TestDrainage::constant_normal_stress;
-      break;
-    default: break;
-  }
+  request.drainage = read_drainage(s, request.kind);
   const std::string name = s.text(name_key, "");
   request.group = s.text(group_key, "");
   const MeasuredTable* table = read_table(s);
-  const std::string where = s.text(where_key, ""), is = s.text(is_key, ""), each = s.text(each_key, ""),
-                    only = s.text(only_key, "");
-  request.skip_incomplete = s.flag(skip_key, false);
-  request.void_ratio = s.optional_number(void_ratio_key);
-  if (kind & (of_triaxial | of_shear)) {
-    request.pressure = s.optional_number(pressure_key);
-    request.strain_rate = s.number(strain_rate_key, 1e-4, "quasi-static");
-  }
-  if (kind & (of_oedometer | of_shear)) request.k0 = s.optional_number(k0_key);
-  if (kind & (of_oedometer | of_isotropic)) request.least_stress = s.number(least_stress_key, 1e3);
-  std::optional<GrainScales> scales;
-  if (kind & of_grains) {
-    request.steady_strain = s.number(steady_strain_key, 10);
-    if (s.has("scales")) {
-      Section t = s.section(scales_table);
-      const double stiffness = t.number(grain_stiffness), d = t.number(grain_diameter), rho_s = t.number(grain_density);
-      t.close();
-      scales = GrainScales{stiffness, std::sqrt(stiffness / rho_s) / d};
-    }
-  }
-
-  Section columns = s.section(columns_table);
-  bool strains = false;
-  for (const ColumnKey& key : column_keys) {
-    if (!(key.kinds & kind)) continue;
-    if (const auto asked = read_column(columns, key, table, scales)) request.columns.push_back(*asked);
-    strains = strains || (request.has(key.key) && key.key.ends_with("strain"));
-  }
-  columns.close(fmt::format("the columns of {} test", test_kind_choices[int(request.kind)].word));
-  expect_columns(columns, request);
-  if (strains) request.nominal = s.required_choice(strains_key) == 0;
-  if (s.has("weights")) {
-    Section weights = s.section(weights_table);
-    for (const ColumnKey& key : column_keys) {
-      const bool derived = request.has("shear_stress") && (key.key == "stress_ratio" || key.key == "friction");
-      if (!(key.kinds & kind)) continue;
-      if (const auto w = weights.optional_number(weight_of(key))) {
-        request.weights[std::string(key.key)] = *w;
-        if (!request.has(key.key) && !derived) weights.complain(key.key, "has no column: name it in `columns`");
-      }
-    }
-    weights.close(fmt::format("the weights of {} test", test_kind_choices[int(request.kind)].word));
-  }
-  const auto expect_column = [&](std::string_view key, const std::string& column) {
-    if (column.empty() || !table || table->column(column) >= 0) return true;
-    const std::vector<std::string_view> names(table->names.begin(), table->names.end());
-    const std::string_view alike = most_alike(column, names);
-    s.complain(key,
-               fmt::format("is no column of {}; {}", table->path,
-                           alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
-    return false;
-  };
-  const bool columns_known = expect_column("where", where) & expect_column("each", each);
-  if (where.empty() != is.empty()) s.complain(where.empty() ? "is" : "where", "needs `where` and `is` together");
+  const RowChoice choice = read_row_choice(s);
+  read_conditions(s, request);
+  read_columns(s, table, read_scales(s, request.kind), request);
+  read_weights(s, request);
+  const bool columns_known = !table || has_columns(s, choice, *table);
   s.close();
   std::vector<MeasuredTest> tests;
   if (!table || !columns_known || request.columns.empty() || !s.is_right()) return tests;
 
-  MeasuredTable chosen = where.empty() ? *table : table->where(table->column(where), is);
-  if (chosen.cells.empty()) {
-    const auto known = table->values_of(table->column(where));
-    s.complain(
-        "is",
-        fmt::format("is not in column `{}` of {}; there is {}{}", where, table->path,
-                    any_of({known.begin(), known.begin() + std::ptrdiff_t(std::min<std::size_t>(known.size(), 12))}),
-                    known.size() > 12 ? " ..." : ""));
-    return tests;
-  }
-  if (!only.empty()) try {
-      chosen = chosen.only(only);
-      if (chosen.cells.empty()) throw std::runtime_error("holds in no row");
-    } catch (const std::runtime_error& e) {
-      s.complain("only", e.what());
-      return tests;
-    }
-  const auto add = [&](const MeasuredTable& rows, std::string called) {
-    if (std::find(names_.begin(), names_.end(), called) != names_.end()) {
-      s.complain(fmt::format("makes a second test called `{}`; give another `name`", called));
-      return;
-    }
-    names_.push_back(called);
-    try {
-      tests.push_back(make_test(request, rows, law_, called));
-    } catch (const std::runtime_error& e) {
-      s.complain(fmt::format("test `{}`: {}", called, e.what()));
-    }
-  };
-  if (request.kind == TestKind::grain_shear)
-    for (const char* key : {"void_ratio", "solid_fraction"}) {
-      if (!request.has(key)) continue;
+  const std::optional<MeasuredTable> rows = choose_rows(s, choice, *table);
+  if (!rows) return tests;
+  if (request.kind == TestKind::grain_shear) request.ranges = ranges_of_volumes(request, *rows);
+  for (const NamedRows& one : divide(*rows, choice, name)) {
+    if (std::find(names_.begin(), names_.end(), one.name) != names_.end()) {
+      s.complain(fmt::format("makes a second test called `{}`; give another `name`", one.name));
+    } else {
+      names_.push_back(one.name);
       try {
-        const std::vector<double> values = read_columns(request, chosen)[key];
-        const auto [low, high] = std::minmax_element(values.begin(), values.end());
-        request.ranges[key] = *high > *low ? *high - *low : *high;
-      } catch (const std::runtime_error&) {
-        // said of the test that holds the row
+        tests.push_back(make_test(request, one.rows, law_, one.name));
+      } catch (const std::runtime_error& e) {
+        s.complain(fmt::format("test `{}`: {}", one.name, e.what()));
       }
     }
-  const std::string own = !name.empty() ? name : is.empty() ? std::filesystem::path(table->path).stem().string() : is;
-  if (each.empty()) {
-    add(chosen, own);
-  } else {
-    const int column = chosen.column(each);
-    for (const std::string& value : chosen.values_of(column)) {
-      const bool bare = name.empty() && !value.empty() && !std::isdigit(static_cast<unsigned char>(value[0]));
-      add(chosen.where(column, value), bare ? value : fmt::format("{} {}", name.empty() ? each + " =" : name, value));
-      if (s.is_right() || tests.size() > 0) continue;
-      break;  // one complaint is enough
-    }
+    if (!s.is_right() && tests.empty()) break;  // one complaint is enough
   }
   return tests;
 }

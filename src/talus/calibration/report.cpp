@@ -29,17 +29,16 @@ std::string in_file(double value, std::string_view unit) {
 
 Json json_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(); }
 
-/// Where a parameter stands among the free ones; -1 if it is not free.
-int free_index(const Calibration& c, std::string_view key) {
-  for (std::size_t i = 0; i < c.free.size(); ++i)
-    if (c.free[i].key == key) return int(i);
+/// Where a parameter stands among the free or the tied ones; -1 if it is not there.
+template <class Parameters>
+int index_of(std::string_view key, const Parameters& parameters) {
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    if (parameters[i].key == key) return int(i);
   return -1;
 }
-int tied_index(const Calibration& c, std::string_view key) {
-  for (std::size_t i = 0; i < c.tied.size(); ++i)
-    if (c.tied[i].key == key) return int(i);
-  return -1;
-}
+
+/// Which bound a parameter has hit, as tables name it.
+std::string_view bound_of(const ParameterEstimate& e) { return e.at_min ? "min" : e.at_max ? "max" : ""; }
 
 std::string csv_cell(const std::string& text) { return text.find(',') == text.npos ? text : "\"" + text + "\""; }
 
@@ -47,10 +46,8 @@ std::string misfits_csv(const Calibration& c, const CalibrationResult& r) {
   std::string csv = "test,group,kind,quantity,weight,scale,unit,misfit_start,misfit_fitted,misfit_left_out\n";
   for (std::size_t t = 0; t < c.tests.size(); ++t) {
     const MeasuredTest& test = c.tests[t];
-    double without = std::nan("");
-    for (const LeftOut& l : r.left_out)
-      for (std::size_t i = 0; i < l.tests.size(); ++i)
-        if (l.tests[i] == int(t)) without = l.misfits_without[i];
+    const std::optional<LeftOutMisfit> left_out = left_out_misfit(r, t);
+    const double without = left_out ? left_out->without : std::nan("");
     for (std::size_t k = 0; k < test.quantities.size(); ++k) {
       const MeasuredQuantity& q = test.quantities[k];
       csv += fmt::format("{},{},{},{},{:g},{:.6g},{},{:.6g},{:.6g},{:.6g}\n", csv_cell(test.name), csv_cell(test.group),
@@ -62,10 +59,15 @@ std::string misfits_csv(const Calibration& c, const CalibrationResult& r) {
   return csv;
 }
 
+/// The header of a table with a column for each free parameter.
+std::string parameter_header(const std::string& first, const Calibration& c) {
+  std::string header = first;
+  for (const FreeParameter& p : c.free) header += "," + p.key;
+  return header + "\n";
+}
+
 std::string correlation_csv(const Calibration& c, const CalibrationResult& r) {
-  std::string csv = "parameter";
-  for (const FreeParameter& p : c.free) csv += "," + p.key;
-  csv += "\n";
+  std::string csv = parameter_header("parameter", c);
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     csv += c.free[i].key;
     for (std::size_t j = 0; j < c.free.size(); ++j)
@@ -76,9 +78,7 @@ std::string correlation_csv(const Calibration& c, const CalibrationResult& r) {
 }
 
 std::string information_csv(const Calibration& c, const CalibrationResult& r) {
-  std::string csv = "test";
-  for (const FreeParameter& p : c.free) csv += "," + p.key;
-  csv += "\n";
+  std::string csv = parameter_header("test", c);
   for (std::size_t t = 0; t < c.tests.size(); ++t) {
     csv += csv_cell(c.tests[t].name);
     for (std::size_t p = 0; p < c.free.size(); ++p)
@@ -92,13 +92,10 @@ std::string parameters_csv(const Calibration& c, const CalibrationResult& r) {
   std::string csv = "parameter,unit,start,value,standard_error,jackknife_error,min,max,at_bound\n";
   for (std::size_t i = 0; i < c.free.size(); ++i) {
     const ParameterEstimate& e = r.statistics.parameters[i];
-    csv +=
-        fmt::format("{},{},{:.8g},{:.8g},{:.4g},{:.4g},{:.8g},{:.8g},{}\n", c.free[i].key, c.free[i].unit,
-                    c.free[i].start, e.value, e.standard_error,
-                    r.jackknife.size() > 0 ? r.jackknife[Eigen::Index(i)] : std::nan(""), c.free[i].min, c.free[i].max,
-                    e.at_min   ? "min"
-                    : e.at_max ? "max"
-                               : "");
+    csv += fmt::format("{},{},{:.8g},{:.8g},{:.4g},{:.4g},{:.8g},{:.8g},{}\n", c.free[i].key, c.free[i].unit,
+                       c.free[i].start, e.value, e.standard_error,
+                       r.jackknife.size() > 0 ? r.jackknife[Eigen::Index(i)] : std::nan(""), c.free[i].min,
+                       c.free[i].max, bound_of(e));
   }
   return csv;
 }
@@ -112,7 +109,7 @@ std::string material_block(const Calibration& c, const CalibrationResult& r) {
       c.title, version(), c.tests.size(), std::sqrt(r.objective), std::sqrt(r.objective_start), name_of(r.law));
   for (const auto& [p, value] : parameters_of(r.law)) {
     std::string why = "fixed";
-    if (const int i = free_index(c, p.key); i >= 0) {
+    if (const int i = index_of(p.key, c.free); i >= 0) {
       const ParameterEstimate& e = r.statistics.parameters[std::size_t(i)];
       why = e.at_min || e.at_max ? fmt::format("at its {} bound", e.at_min ? "lower" : "upper")
             : !e.informed        ? "not identifiable: no test depends on it"
@@ -124,7 +121,7 @@ std::string material_block(const Calibration& c, const CalibrationResult& r) {
             if (other != i) others.push_back(c.free[std::size_t(other)].key);
           why += fmt::format("; not separable from {}", fmt::join(others, ", "));
         }
-    } else if (const int tie = tied_index(c, p.key); tie >= 0) {
+    } else if (const int tie = index_of(p.key, c.tied); tie >= 0) {
       why = "= " + c.tied[std::size_t(tie)].formula;
     }
     text += fmt::format("{:<32} # {}\n", fmt::format("{} = {}", p.key, in_file(value, p.unit)), why);
@@ -176,9 +173,7 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
          {"start", p.start},
          {"min", p.min},
          {"max", p.max},
-         {"at_bound", e.at_min   ? "min"
-                      : e.at_max ? "max"
-                                 : ""},
+         {"at_bound", bound_of(e)},
          {"informed", e.informed}});
   }
   json["tied"] = Json::array();
@@ -197,18 +192,16 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
     json["correlation"].push_back(row);
   }
   json["findings"] = r.findings;
+  const auto names_of = [&](const std::vector<int>& parameters) {
+    Json names = Json::array();
+    for (int p : parameters) names.push_back(c.free[std::size_t(p)].key);
+    return names;
+  };
   json["inseparable"] = Json::array();
-  for (const auto& group : r.statistics.inseparable) {
-    Json names = Json::array();
-    for (int p : group) names.push_back(c.free[std::size_t(p)].key);
-    json["inseparable"].push_back(names);
-  }
+  for (const auto& group : r.statistics.inseparable) json["inseparable"].push_back(names_of(group));
   json["suggestions"] = Json::array();
-  for (const Suggestion& s : r.suggestions) {
-    Json names = Json::array();
-    for (int p : s.parameters) names.push_back(c.free[std::size_t(p)].key);
-    json["suggestions"].push_back({{"parameters", names}, {"test", s.test}, {"factor", s.factor}});
-  }
+  for (const Suggestion& s : r.suggestions)
+    json["suggestions"].push_back({{"parameters", names_of(s.parameters)}, {"test", s.test}, {"factor", s.factor}});
   for (const FinishedStart& s : r.starts) {
     Json values = Json::object();
     for (std::size_t i = 0; i < c.free.size(); ++i)
@@ -236,6 +229,13 @@ std::string result_as_json(const Calibration& c, const CalibrationResult& r) {
                                   {"misfit_fitted", l.misfits_with[i]},
                                   {"misfit_predicted", l.misfits_without[i]}});
   return json.dump(1) + "\n";
+}
+
+std::optional<LeftOutMisfit> left_out_misfit(const CalibrationResult& r, std::size_t test) {
+  for (const LeftOut& l : r.left_out)
+    for (std::size_t i = 0; i < l.tests.size(); ++i)
+      if (l.tests[i] == int(test)) return LeftOutMisfit{l.misfits_with[i], l.misfits_without[i]};
+  return std::nullopt;
 }
 
 std::vector<MeanMisfit> mean_misfits(const Calibration& c, const CalibrationResult& r) {

@@ -2,7 +2,9 @@
 /// Files of a finished calibration.
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "talus/calibration/calibrate.hpp"
 
@@ -25,6 +27,13 @@ struct MeanMisfit {
   bool is_fitted;  ///< its weight is above 0 in some test
 };
 std::vector<MeanMisfit> mean_misfits(const Calibration& calibration, const CalibrationResult& result);
+
+/// Misfit of a test that was left out: of the parameters fitted to all tests, and of those fitted without its group.
+struct LeftOutMisfit {
+  double with, without;
+};
+/// None if the test was not left out.
+std::optional<LeftOutMisfit> left_out_misfit(const CalibrationResult& result, std::size_t test);
 
 /// Writes material.toml, user_material.inp, result.json, the tables as CSV, a picture for each test with its data and
 /// script, and the page index.html. False if there is no gnuplot.

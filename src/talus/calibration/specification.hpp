@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "talus/law/registry.hpp"
@@ -31,6 +32,18 @@ inline constexpr Choice test_kind_choices[] = {
     {"simple_shear", "shear strain; undrained or under constant normal stress"},
     {"grain_shear", "steady simple shear at given rates: each row of the table is a state of its own"},
 };
+
+/// The quantity that leads a test; of grain shear, the rate that tells its states apart.
+constexpr std::string_view leading_quantity(TestKind kind) {
+  switch (kind) {
+    case TestKind::triaxial: return "axial_strain";
+    case TestKind::oedometer: return "axial_stress";
+    case TestKind::isotropic_compression: return "pressure";
+    case TestKind::simple_shear: return "shear_strain";
+    case TestKind::grain_shear: return "shear_rate";
+  }
+  return "";
+}
 
 /// What is held besides the leading strain of a test.
 enum class TestDrainage { undrained, drained, constant_p, constant_normal_stress };

@@ -100,6 +100,20 @@ std::vector<std::vector<int>> find_inseparable(const Statistics& s) {
   return groups;
 }
 
+/// Derivatives of a tied parameter in the coordinates of `parameters`; 0 in the others.
+Vector gradient_of_tie(const Calibration& calibration, const TiedParameter& tie, const Vector& x,
+                       const std::vector<int>& parameters) {
+  Vector gradient = Vector::Zero(x.size());
+  for (int p : parameters) {
+    Vector ahead = x, behind = x;
+    ahead[p] = std::min(1.0, x[p] + 1e-5);
+    behind[p] = std::max(0.0, x[p] - 1e-5);
+    gradient[p] = (value_of_tie(tie, law_at(calibration, ahead)) - value_of_tie(tie, law_at(calibration, behind))) /
+                  (ahead[p] - behind[p]);
+  }
+  return gradient;
+}
+
 std::string list_of(const Calibration& calibration, const std::vector<int>& parameters) {
   std::vector<std::string_view> names;
   for (int p : parameters) names.push_back(calibration.free[std::size_t(p)].key);
@@ -171,14 +185,7 @@ Statistics statistics_at(const Calibration& calibration, const Vector& x, const 
     }
     s.inseparable = find_inseparable(s);
     for (const TiedParameter& tie : calibration.tied) {
-      Vector gradient = Vector::Zero(n);
-      for (int p : s.interior) {
-        Vector ahead = x, behind = x;
-        ahead[p] = std::min(1.0, x[p] + 1e-5);
-        behind[p] = std::max(0.0, x[p] - 1e-5);
-        gradient[p] = (value_of_tie(tie, law_at(calibration, ahead)) - value_of_tie(tie, law_at(calibration, behind))) /
-                      (ahead[p] - behind[p]);
-      }
+      const Vector gradient = gradient_of_tie(calibration, tie, x, s.interior);
       s.tied_errors.push_back(std::sqrt(std::max(0.0, gradient.dot(all * gradient))));
     }
   }
@@ -202,13 +209,10 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
                                 free.key, free.meaning));
   }
   for (const std::vector<int>& group : s.inseparable) {
-    double least = 1, most = 0;
+    double most = 0;
     for (int a : group)
       for (int b : group)
-        if (a < b) {
-          least = std::min(least, std::abs(s.correlation(a, b)));
-          most = std::max(most, std::abs(s.correlation(a, b)));
-        }
+        if (a < b) most = std::max(most, std::abs(s.correlation(a, b)));
     const std::string how = group.size() == 2
                                 ? fmt::format("their correlation is {:.2f}", s.correlation(group[0], group[1]))
                                 : fmt::format("correlations up to {:.3f}", most);
@@ -376,8 +380,7 @@ Matrix products_of_candidate(const Calibration& calibration, const Vector& x, Me
   for (std::size_t k = 0; k < test.quantities.size(); ++k) {
     MeasuredQuantity& q = test.quantities[k];
     q.values = at_x.values[k];
-    const auto [low, high] = std::minmax_element(q.values.begin(), q.values.end());
-    q.scale = q.name == "void_ratio" ? *high - *low : std::max(std::abs(*low), std::abs(*high));
+    q.scale = scale_of(q.name, q.values);
     if (!(q.scale > 0)) return Matrix::Zero(n, n);
     if (q.name.ends_with("strain"))  // as if measured from its first row
       for (double& v : q.values) v -= at_x.values[k].front();

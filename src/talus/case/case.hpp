@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -85,6 +86,18 @@ struct Material {
   bool operator==(const Material& other) const;
 };
 
+/// The map that a case lies on.
+struct MapOfCase {
+  std::shared_ptr<const Terrain> ground;  ///< of the solid `terrain`
+  MapFrame frame;
+  bool geotiff = false;  ///< whether the terrain came as GeoTIFF, and maps go out so; otherwise as ESRI ASC
+
+  bool operator==(const MapOfCase& o) const {
+    return (ground == o.ground || (ground && o.ground && *ground == *o.ground)) && frame == o.frame &&
+           geotiff == o.geotiff;
+  }
+};
+
 struct BodySpec {
   std::string name;
   int material = 0;  ///< index into Case::materials
@@ -150,14 +163,24 @@ struct Numerics {
   bool operator==(const Numerics&) const = default;
 };
 
+/// Maps of a run on a terrain.
+struct MapSpec {
+  std::optional<double> interval;         ///< between the instants that peaks are of [s]; by default from the terrain
+  std::optional<double> least_thickness;  ///< upright, of what counts as flow [m]; by default from the particles
+  std::optional<double> pixel;            ///< [m]; by default that of the terrain
+
+  bool operator==(const MapSpec&) const = default;
+};
+
 struct OutputSpec {
   std::optional<double> snapshots;                 ///< interval [s]; by default a share of the run
   std::optional<double> history;                   ///< interval [s]; by default a share of the run
   std::optional<double> front_thickness;           ///< that defines the edge of the deposit [m]; by default a grain
   std::optional<std::vector<double>> pictures;     ///< instants [s]; by default from the start to the end
   std::optional<std::vector<std::string>> fields;  ///< quantities in snapshots; by default those that the laws have
-  std::optional<double> checkpoints;               ///< interval of simulated time [s]; without it, by the clock alone
-  double checkpoint_wall = 600;                    ///< interval on the clock [s]
+  MapSpec maps{};
+  std::optional<double> checkpoints;  ///< interval of simulated time [s]; without it, by the clock alone
+  double checkpoint_wall = 600;       ///< interval on the clock [s]
 
   bool operator==(const OutputSpec&) const = default;
 };
@@ -187,11 +210,13 @@ struct Case {
   Vec<3> gravity{};
   std::array<Wall, 6> walls{};  ///< low and high side of x, of y, of z
   std::vector<Solid> solids;
+  std::optional<MapOfCase> map;
   std::vector<Material> materials;
   std::vector<BodySpec> bodies;
   std::vector<SurfaceLoad> loads;
   Numerics numerics;
-  double end = 0;  ///< [s]
+  double end = 0;         ///< [s]
+  double stop_below = 0;  ///< share of its peak below which kinetic energy ends the run; 0: none
   OutputSpec output;
 
   bool operator==(const Case&) const = default;

@@ -24,6 +24,12 @@ inline constexpr double most_cells_along_axis = 1e6;
 inline constexpr double most_particles = 2e8;
 inline constexpr const char* axis_names[] = {"x", "y", "z"};
 
+/// The section that a solid stands in.
+inline SectionPath section_of(const Solid& solid) {
+  if (std::holds_alternative<Ground>(solid.shape)) return {"terrain"};
+  return {"solid", solid.name};
+}
+
 /// "x_min", of a side of the domain or of a body.
 inline std::string name_of_side(int side) { return std::string(side_choices[side].word); }
 

@@ -16,6 +16,8 @@ const AnyLaw* law_of_body(const BodySpec& body, const Case& case_) {
 
 /// Shapes and lattices that a kind of domain does not know.
 void check_kind_of_shape(MistakesOf section, const BodySpec& body, const Case& case_) {
+  if (std::holds_alternative<SurfaceLayer>(body.region) && case_.dim != 3)
+    section.add("release", "is for kind = \"3d\"");
   const bool is_image = std::holds_alternative<Raster>(body.region),
              is_list = std::holds_alternative<PointList>(body.region);
   if (is_image && case_.dim == 3) section.in("image").add("is for plane strain only");
@@ -124,6 +126,8 @@ void check_loads(const Case& case_, std::vector<Mistake>& mistakes) {
       const BodySpec& body = case_.bodies[std::size_t(load.body)];
       if (std::holds_alternative<PointList>(body.region))
         section.add("body", "has no sides: its particles are listed one by one");
+      else if (std::holds_alternative<SurfaceLayer>(body.region))
+        section.add("body", "has no sides: it is a layer on the ground");
       else if (body.lattice == Lattice::corner)
         section.add("body", "must have lattice = \"cells\": loads act half a spacing outside particles");
       check_side(section, load, case_);

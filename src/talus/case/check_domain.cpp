@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "talus/base/units.hpp"
@@ -85,8 +86,11 @@ void check_rough_surfaces(const Case& case_, std::vector<Mistake>& mistakes) {
   for (int side = 0; side < 2 * case_.dim; ++side)
     if (case_.walls[std::size_t(side)].kind == WallKind::rough)
       check_rough_surface({mistakes, {"domain", "walls", name_of_side(side)}}, case_);
-  for (const Solid& solid : case_.solids)
-    if (solid.contact.kind == WallKind::rough) check_rough_surface({mistakes, {"solid", solid.name, "contact"}}, case_);
+  for (const Solid& solid : case_.solids) {
+    const auto is_rough = [](const Wall& wall) { return wall.kind == WallKind::rough; };
+    if (is_rough(solid.contact) || std::ranges::any_of(solid.zones.surfaces, is_rough))
+      check_rough_surface(MistakesOf(mistakes, section_of(solid)).in("contact"), case_);
+  }
 }
 
 void check_domain(const Case& case_, std::vector<Mistake>& mistakes) {

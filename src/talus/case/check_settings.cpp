@@ -32,7 +32,7 @@ void check_interval(MistakesOf output, std::string_view key, double interval, do
 
 void check_solids(const Case& case_, std::vector<Mistake>& mistakes) {
   for (const Solid& solid : case_.solids) {
-    MistakesOf section(mistakes, {"solid", solid.name});
+    MistakesOf section(mistakes, section_of(solid));
     if (const auto* half = std::get_if<HalfSpace>(&solid.shape); half && is_zero(half->normal))
       section.in("half_space").add("normal", "must not be zero");
     if (!solid.motion.angle.empty()) {

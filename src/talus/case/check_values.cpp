@@ -107,7 +107,7 @@ void check_load(const SurfaceLoad& load, const Case& case_, std::vector<Mistake>
 }
 
 void check_solid(const Solid& solid, const Case& case_, std::vector<Mistake>& mistakes) {
-  MistakesOf section(mistakes, {"solid", solid.name});
+  MistakesOf section(mistakes, section_of(solid));
   std::visit(
       [&](const auto& shape) {
         if constexpr (requires { Region(shape); }) check_region(section, shape, case_.dim);

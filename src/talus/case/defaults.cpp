@@ -60,7 +60,7 @@ Default default_cfl(ShapeFunction shape) {
 
 double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_cfl(numerics.shape_function).value); }
 
-std::optional<Default> default_tau(const Case& case_) {
+double time_of_fall(const Case& case_) {
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const BodySpec& b : case_.bodies) {
     const Box box = bounding_box(b.region, case_.dim);
@@ -68,23 +68,56 @@ std::optional<Default> default_tau(const Case& case_) {
     high = std::max(high, box.max[case_.dim - 1]);
   }
   const double g = std::sqrt(dot(case_.gravity, case_.gravity));
-  if (!(g > 0 && high > low)) return std::nullopt;
-  return Default{0.08 * std::sqrt((high - low) / g), "0.08 sqrt(H/g), with the height H of all bodies"};
+  return g > 0 && high > low ? std::sqrt((high - low) / g) : 0;
+}
+
+namespace {
+
+/// The largest upright thickness of the layers on a terrain; none where a body is something else [m].
+std::optional<double> thickness_of_layers(const Case& case_) {
+  double thickness = 0;
+  for (const BodySpec& b : case_.bodies) {
+    const auto* layer = std::get_if<SurfaceLayer>(&b.region);
+    if (!layer) return std::nullopt;
+    for (const double t : layer->thickness.values) thickness = std::max(thickness, std::isnan(t) ? 0 : t);
+  }
+  return thickness;
+}
+
+}  // namespace
+
+std::optional<Default> default_tau(const Case& case_) {
+  const double g = std::sqrt(dot(case_.gravity, case_.gravity));
+  if (const auto thickness = thickness_of_layers(case_); thickness && *thickness > 0 && g > 0)
+    return Default{0.08 * std::sqrt(*thickness / g),
+                   "0.08 sqrt(H/g), with the largest thickness H of what lies on the ground"};
+  const double fall = time_of_fall(case_);
+  if (!(fall > 0)) return std::nullopt;
+  return Default{0.08 * fall, "0.08 sqrt(H/g), with the height H of all bodies"};
 }
 
 bool separates_from_wall(WallKind kind) { return kind == WallKind::friction || kind == WallKind::rough; }
 bool separates_from_solid(WallKind kind) { return separates_from_wall(kind) || kind == WallKind::slip; }
 
-double rough_friction(const Case& case_) {
+namespace {
+
+/// The material of which a `rough` surface is a bed: the first that has a critical friction; null if none has.
+const Material* material_of_bed(const Case& case_) {
   for (const Material& m : case_.materials)
-    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return *friction;
-  return 0;
+    if (critical_friction_of(m.law).value_or(0) != 0) return &m;
+  return nullptr;
+}
+
+}  // namespace
+
+double rough_friction(const Case& case_) {
+  const Material* bed = material_of_bed(case_);
+  return bed ? *critical_friction_of(bed->law) : 0;
 }
 
 FrictionRise rough_friction_rise(const Case& case_) {
-  for (const Material& m : case_.materials)
-    if (const auto friction = critical_friction_of(m.law); friction && *friction != 0) return friction_rise_of(m.law);
-  return {};
+  const Material* bed = material_of_bed(case_);
+  return bed ? friction_rise_of(bed->law) : FrictionRise{};
 }
 
 Default default_snapshots(const Case& case_) { return {case_.end / 50, "a fiftieth of the run"}; }
@@ -106,6 +139,24 @@ Default default_front_thickness(const Case& case_) {
   if (grain > 0) return {grain, "a grain"};
   return {particle, "a particle at the start"};
 }
+
+Default default_map_interval(const Case& case_) {
+  const Terrain& ground = *case_.map->ground;
+  const double fall = ground.highest() - ground.lowest(), g = std::sqrt(dot(case_.gravity, case_.gravity));
+  const double speed = std::sqrt(2 * g * fall);
+  const double pixel = case_.output.maps.pixel.value_or(ground.heights().pixel);
+  if (!(speed > 0)) return {case_.end / 1000, "a thousandth of the run"};
+  return {std::max(pixel / speed, case_.end / 10000),
+          "in which what has fallen from the highest to the lowest place crosses a pixel"};
+}
+
+Default default_least_thickness(const Case& case_) {
+  double widest = 0;
+  for (const BodySpec& b : case_.bodies) widest = std::max(widest, largest_particle(b, case_.dim));
+  return {widest / 4, "a quarter of a particle at the start"};
+}
+
+Default default_map_pixel(const Case& case_) { return {case_.map->ground->heights().pixel, "that of the terrain"}; }
 
 std::vector<double> default_pictures(const Case& case_) {
   std::vector<double> instants;

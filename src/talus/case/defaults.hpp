@@ -59,6 +59,14 @@ inline Wall surface_of_solid(WallKind kind, double friction = 0) {
 double rough_friction(const Case& case_);
 FrictionRise rough_friction_rise(const Case& case_);
 
+/// In which things fall by half the height of all bodies, sqrt(H/g) [s]; 0 where nothing falls.
+double time_of_fall(const Case& case_);
+
+/// Of the maps of a run on terrain.
+Default default_map_interval(const Case& case_);
+Default default_least_thickness(const Case& case_);
+Default default_map_pixel(const Case& case_);
+
 Default default_snapshots(const Case& case_);  ///< interval [s]
 Default default_history(const Case& case_);    ///< interval [s]
 /// Thickness that defines the edge of the deposit [m]: no layer of grains is thinner than a grain, and experiments see

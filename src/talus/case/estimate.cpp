@@ -6,6 +6,7 @@ namespace talus {
 
 double estimated_particles(const BodySpec& body, int dim) {
   if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
+  if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) return points_in(*layer);
   return body.spacing > 0 ? volume(body.region, dim) / std::pow(body.spacing, dim) : 0;
 }
 

@@ -12,6 +12,9 @@ inline constexpr Parameter cell{"cell", "m", Range::positive(), "size of the gri
 inline constexpr Parameter friction{"friction", "1", Range::not_negative(),
                                     "Coulomb's coefficient: tangent of the angle of wall friction"};
 
+inline constexpr Parameter xi{"xi", "m/s2", Range::positive(),
+                              "Voellmy's coefficient of turbulent friction: what slides is held by rho g v^2/xi"};
+
 // [material.NAME]; those of laws stand with the law
 inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk density at the start"};
 
@@ -57,11 +60,23 @@ inline constexpr Parameter stiffness_factor{
 // [run]
 inline constexpr Parameter end{"end", "s", Range::positive(), "simulated time at which the run ends"};
 
+inline constexpr Parameter stop_below{
+    "stop_below",
+    "1",
+    {0, 1, true, false},
+    "share of the largest kinetic energy so far below which the run ends; without it, at `end`"};
+
 // [output]
 inline constexpr Parameter snapshots{"snapshots", "s", Range::positive(), "time between snapshots"};
 inline constexpr Parameter history{"history", "s", Range::positive(), "time between rows of history.csv"};
 inline constexpr Parameter front_thickness{"front_thickness", "m", Range::positive(),
                                            "how thick the deposit is where it ends: fronts are there"};
+// [output.maps]
+inline constexpr Parameter map_interval{"interval", "s", Range::positive(),
+                                        "time between the instants that peaks are of"};
+inline constexpr Parameter least_thickness{"least_thickness", "m", Range::positive(),
+                                           "upright thickness from which on speed and arrival are told"};
+inline constexpr Parameter map_pixel{"pixel", "m", Range::positive(), "edge of the maps' pixels"};
 /// Of a run until `end`; one of unknown length is not held against anything.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),

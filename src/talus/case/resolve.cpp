@@ -35,6 +35,7 @@ void normalise(Vec<3>& direction) {
 
 void resolve_solid(Solid& solid, const Case& case_) {
   set_friction(solid.contact, case_);
+  for (Wall& surface : solid.zones.surfaces) set_friction(surface, case_);
   if (auto* half = std::get_if<HalfSpace>(&solid.shape)) normalise(half->normal);
   if (!solid.motion.angle.empty()) normalise(solid.motion.axis);
 }
@@ -59,6 +60,11 @@ void fill_in_defaults(Case& case_) {
   if (!o.history) o.history = default_history(case_).value;
   if (!o.front_thickness) o.front_thickness = default_front_thickness(case_).value;
   if (!o.pictures) o.pictures = default_pictures(case_);
+  if (case_.map) {
+    if (!o.maps.pixel) o.maps.pixel = default_map_pixel(case_).value;
+    if (!o.maps.interval) o.maps.interval = default_map_interval(case_).value;
+    if (!o.maps.least_thickness) o.maps.least_thickness = default_least_thickness(case_).value;
+  }
   if (!o.fields) o.fields = default_fields(case_);
 }
 

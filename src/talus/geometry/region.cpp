@@ -110,7 +110,35 @@ double overlap(double a, double b, double low, double high) {
 /// The whole pixel row or column that a coordinate, counted in pixels, lies in; the last one's far edge counts as in it.
 int pixel_at(double x, int n) { return x == n ? n - 1 : int(std::floor(x)); }
 
+/// Thickness of a layer above a place of the plane [m].
+double thickness_at(const SurfaceLayer& layer, const Vec<3>& x) {
+  const PlanRaster& t = layer.thickness;
+  const int column = t.column_of(x[0]), row = t.row_of(x[1]);
+  return t.has(column, row) ? t.at(column, row) : 0;
+}
+
+/// Sum over the pixels of a layer that have some of it: f(column, row, thickness).
+template <class F>
+double sum_over_layer(const SurfaceLayer& layer, F f) {
+  double sum = 0;
+  for (int row = 0; row < layer.thickness.rows; ++row)
+    for (int column = 0; column < layer.thickness.columns; ++column)
+      if (layer.thickness.has(column, row) && layer.thickness.at(column, row) > 0)
+        sum += f(column, row, layer.thickness.at(column, row));
+  return sum;
+}
+
 }  // namespace
+
+bool SurfaceLayer::operator==(const SurfaceLayer& o) const {
+  return (base == o.base || (base && o.base && *base == *o.base)) && thickness == o.thickness;
+}
+
+double points_in(const SurfaceLayer& layer) {
+  double n = 0;
+  for_each_point(layer, [&](const Vec<3>&, double) { ++n; });
+  return n;
+}
 
 Box bounding_box(const Region& region, int dim) {
   return std::visit(Overloaded{[](const Box& b) { return b; },
@@ -147,6 +175,22 @@ Box bounding_box(const Region& region, int dim) {
                                    }
                                  return b;
                                },
+                               [](const SurfaceLayer& l) {
+                                 Box b{{1e300, 1e300, 1e300}, {-1e300, -1e300, -1e300}};
+                                 const PlanRaster& t = l.thickness;
+                                 sum_over_layer(l, [&](int column, int row, double thickness) {
+                                   const Vec<2> at = t.middle(column, row);
+                                   const double bottom = l.base->at(at[0], at[1]).height;
+                                   for (int a = 0; a < 2; ++a) {
+                                     b.min[a] = std::min(b.min[a], at[a] - 0.5 * t.pixel);
+                                     b.max[a] = std::max(b.max[a], at[a] + 0.5 * t.pixel);
+                                   }
+                                   b.min[2] = std::min(b.min[2], bottom);
+                                   b.max[2] = std::max(b.max[2], bottom + thickness);
+                                   return 0.0;
+                                 });
+                                 return b;
+                               },
                                [&](const PointList& p) {
                                  Box b{p.places.at(0), p.places.at(0)};
                                  for (const Vec<3>& x : p.places)
@@ -178,7 +222,11 @@ bool contains(const Region& region, const Vec<3>& x, int dim) {
                    return r.is_filled(pixel_at((x[0] - r.min[0]) / r.pixel, r.width),
                                       r.height - 1 - pixel_at((x[1] - r.min[1]) / r.pixel, r.height));
                  },
-                 [&](const PointList&) { return false; }},
+                 [&](const PointList&) { return false; },
+                 [&](const SurfaceLayer& l) {
+                   const double above = x[2] - l.base->at(x[0], x[1]).height;
+                   return above >= 0 && above <= thickness_at(l, x);
+                 }},
       region);
 }
 
@@ -193,7 +241,10 @@ double volume(const Region& region, int dim) {
           [&](const Cylinder& c) { return std::numbers::pi * c.radius * c.radius * (dim == 3 ? c.height : 1); },
           [&](const Polygon& p) { return area(p) * (dim == 3 ? p.to - p.from : 1); },
           [&](const Raster& r) { return double(std::count(r.filled.begin(), r.filled.end(), 1)) * r.pixel * r.pixel; },
-          [&](const PointList& p) { return std::accumulate(p.volumes.begin(), p.volumes.end(), 0.0); }},
+          [&](const PointList& p) { return std::accumulate(p.volumes.begin(), p.volumes.end(), 0.0); },
+          [&](const SurfaceLayer& l) {
+            return l.thickness.pixel * l.thickness.pixel * sum_over_layer(l, [](int, int, double t) { return t; });
+          }},
       region);
 }
 
@@ -239,6 +290,16 @@ double volume(const Region& region, int dim, const Box& box) {
                      if (in) v += p.volumes[i];
                    }
                    return v;
+                 },
+                 [&](const SurfaceLayer& l) {
+                   const double half = 0.5 * l.thickness.pixel;
+                   return sum_over_layer(l, [&](int column, int row, double t) {
+                     const Vec<2> at = l.thickness.middle(column, row);
+                     const double bottom = l.base->at(at[0], at[1]).height;
+                     return overlap(at[0] - half, at[0] + half, box.min[0], box.max[0]) *
+                            overlap(at[1] - half, at[1] + half, box.min[1], box.max[1]) *
+                            overlap(bottom, bottom + t, box.min[2], box.max[2]);
+                   });
                  }},
       region);
 }
@@ -294,34 +355,39 @@ double length_above(const Region& region, const Vec<3>& x, int dim) {
             }
             return length;
           },
-          [&](const PointList&) { return 0.0; }},
+          [&](const PointList&) { return 0.0; },
+          [&](const SurfaceLayer& l) {
+            const double bottom = l.base->at(x[0], x[1]).height;
+            return of_span(bottom, bottom + thickness_at(l, x));
+          }},
       region);
 }
 
 std::string fault(const Region& region, int dim) {
-  return std::visit(
-      Overloaded{[&](const Box& b) -> std::string {
-                   for (int a = 0; a < dim; ++a)
-                     if (!(b.min[a] < b.max[a])) return "the box is empty: `min` must lie below `max` along every axis";
-                   return "";
-                 },
-                 [&](const Cylinder&) -> std::string { return ""; },
-                 [&](const Polygon& p) -> std::string {
-                   const auto& c = p.corners;
-                   if (c.size() < 3) return "a polygon has at least three corners";
-                   if (dim == 3 && !(p.from < p.to)) return "the prism is empty: `from` must lie below `to`";
-                   const Box b = bounding_box(p, dim);
-                   if (!(area(p) > 1e-9 * (b.max[0] - b.min[0]) * (b.max[dim - 1] - b.min[dim - 1])))
-                     return "the polygon has no area";
-                   for (std::size_t i = 0; i < c.size(); ++i)
-                     for (std::size_t j = i + 1; j < c.size(); ++j)
-                       if (edges_cross(c[i], c[(i + 1) % c.size()], c[j], c[(j + 1) % c.size()]))
-                         return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " +
-                                std::to_string(j + 1);
-                   return "";
-                 },
-                 [&](const Raster&) -> std::string { return ""; }, [&](const PointList&) -> std::string { return ""; }},
-      region);
+  return std::visit(Overloaded{[&](const Box& b) -> std::string {
+                                 for (int a = 0; a < dim; ++a)
+                                   if (!(b.min[a] < b.max[a]))
+                                     return "the box is empty: `min` must lie below `max` along every axis";
+                                 return "";
+                               },
+                               [&](const Cylinder&) -> std::string { return ""; },
+                               [&](const Polygon& p) -> std::string {
+                                 const auto& c = p.corners;
+                                 if (c.size() < 3) return "a polygon has at least three corners";
+                                 if (dim == 3 && !(p.from < p.to))
+                                   return "the prism is empty: `from` must lie below `to`";
+                                 const Box b = bounding_box(p, dim);
+                                 if (!(area(p) > 1e-9 * (b.max[0] - b.min[0]) * (b.max[dim - 1] - b.min[dim - 1])))
+                                   return "the polygon has no area";
+                                 for (std::size_t i = 0; i < c.size(); ++i)
+                                   for (std::size_t j = i + 1; j < c.size(); ++j)
+                                     if (edges_cross(c[i], c[(i + 1) % c.size()], c[j], c[(j + 1) % c.size()]))
+                                       return "the polygon crosses itself: edges " + std::to_string(i + 1) + " and " +
+                                              std::to_string(j + 1);
+                                 return "";
+                               },
+                               [&](const auto&) -> std::string { return ""; }},
+                    region);
 }
 
 }  // namespace talus

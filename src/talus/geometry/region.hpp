@@ -1,10 +1,12 @@
 #pragma once
 /// Shapes that bodies are cut from. Lengths in m; in plane strain the third coordinate does not count.
 
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "talus/geometry/terrain.hpp"
 #include "talus/math/vec.hpp"
 
 namespace talus {
@@ -57,7 +59,33 @@ struct PointList {
   bool operator==(const PointList&) const = default;
 };
 
-using Region = std::variant<Box, Cylinder, Polygon, Raster, PointList>;
+/// What lies on a surface, in 3D: as thick as a raster says, measured upright [m]. Pixels without a number have nothing.
+struct SurfaceLayer {
+  std::shared_ptr<const Terrain> base;
+  PlanRaster thickness;
+
+  bool operator==(const SurfaceLayer& o) const;
+};
+
+/// Calls f(place, volume) for the points that fill a layer. On every pixel they stand above one another, as many as pixels
+/// are high, and share its volume.
+template <class F>
+void for_each_point(const SurfaceLayer& layer, F f) {
+  const PlanRaster& t = layer.thickness;
+  for (int row = 0; row < t.rows; ++row)
+    for (int column = 0; column < t.columns; ++column) {
+      if (!(t.has(column, row) && t.at(column, row) > 0)) continue;
+      const Vec<2> at = t.middle(column, row);
+      const double bottom = layer.base->at(at[0], at[1]).height;
+      const int n = std::max(1, int(std::lround(t.at(column, row) / t.pixel)));
+      const double height = t.at(column, row) / n;
+      for (int k = 0; k < n; ++k) f(Vec<3>{at[0], at[1], bottom + (k + 0.5) * height}, t.pixel * t.pixel * height);
+    }
+}
+/// How many points that makes.
+double points_in(const SurfaceLayer& layer);
+
+using Region = std::variant<Box, Cylinder, Polygon, Raster, PointList, SurfaceLayer>;
 
 /// The smallest box around a shape.
 Box bounding_box(const Region& region, int dim);

@@ -35,6 +35,12 @@ Nearness Solid::near(const Vec<3>& x, const Pose& pose, int dim) const {
   return hollow ? Nearness{-n.distance, -1.0 * n.normal} : n;
 }
 
+const Wall& Solid::contact_at(const Vec<3>& x) const {
+  if (zones.surfaces.empty()) return contact;
+  const int column = zones.number.column_of(x[0]), row = zones.number.row_of(x[1]);
+  return zones.number.has(column, row) ? zones.surfaces[std::size_t(zones.number.at(column, row))] : contact;
+}
+
 std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim) {
   std::vector<Vec<3>> points;
   add_surface_points(solid, pose, within, spacing, dim, points);

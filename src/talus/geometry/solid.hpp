@@ -10,6 +10,14 @@
 
 namespace talus {
 
+/// Surfaces of a terrain that differ from place to place.
+struct ContactZones {
+  PlanRaster number;           ///< of the surface at each pixel; none where it is that of the solid
+  std::vector<Wall> surfaces;  ///< one a number
+
+  bool operator==(const ContactZones&) const = default;
+};
+
 /// A rigid solid inside the domain.
 struct Solid {
   std::string name;
@@ -17,9 +25,12 @@ struct Solid {
   Wall contact;
   PrescribedMotion motion{};
   bool hollow = false;  ///< the solid is all that lies outside its shape: a drum, a bowl, a pipe
+  ContactZones zones{};
 
   /// Where a point in space is with respect to the solid in a pose.
   Nearness near(const Vec<3>& x, const Pose& pose, int dim) const;
+  /// Its surface at a place.
+  const Wall& contact_at(const Vec<3>& x) const;
   bool operator==(const Solid&) const = default;
 };
 

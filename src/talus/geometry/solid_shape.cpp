@@ -73,7 +73,36 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
   return n;
 }
 
+/// A point seen from a terrain. Its foot, the nearest place of the surface, is where the line along the normal hits the
+/// point: from the foot found so far one goes on to the foot on its plane.
+Nearness above(const Terrain& terrain, const Vec<3>& x) {
+  TerrainPlace place = terrain.at(x[0], x[1]);
+  const double upright = x[2] - place.height;
+  const double least = std::abs(upright) / std::hypot(1, terrain.steepest());
+  constexpr double near_pixels =
+      16;  // cells are four pixels wide at most, and nodes of interest three and a half cells deep
+  if (least > near_pixels * terrain.heights().pixel) return {std::copysign(least, upright), place.normal()};
+  Nearness nearest{std::copysign(unbounded, upright), {}};
+  Vec<2> foot{x[0], x[1]};
+  constexpr int most_feet = 12;
+  for (int k = 0; k < most_feet; ++k) {
+    const Vec<3> normal = place.normal(), from = x - Vec<3>{foot[0], foot[1], place.height};
+    const double distance = length(from), along = dot(from, normal);
+    if (distance < std::abs(nearest.distance)) nearest = {std::copysign(distance, upright), normal};
+    const Vec<2> next{x[0] - along * normal[0], x[1] - along * normal[1]};
+    const Vec<2> way = next - foot;
+    if (std::sqrt(dot(way, way)) <= 1e-9 * terrain.heights().pixel) break;
+    foot = next;
+    place = terrain.at(foot[0], foot[1]);
+  }
+  return nearest;
+}
+
 }  // namespace
+
+bool Ground::operator==(const Ground& o) const {
+  return surface == o.surface || (surface && o.surface && *surface == *o.surface);
+}
 
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim) {
   return std::visit(Overloaded{[&](const HalfSpace& h) {
@@ -93,7 +122,8 @@ Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim) {
                                [&](const Polygon& p) {
                                  const Nearness n = in_plane(p, x, dim);
                                  return dim == 2 ? n : common(n, layer(1, p.from, p.to, x));
-                               }},
+                               },
+                               [&](const Ground& g) { return above(*g.surface, x); }},
                     shape);
 }
 
@@ -132,12 +162,13 @@ double thickness(const SolidShape& shape, int dim) {
                      }
                    }
                    return least;
-                 }},
+                 },
+                 [](const Ground&) { return unbounded; }},
       shape);
 }
 
 Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise) {
-  return std::visit(Overloaded{[&](const HalfSpace&) { return otherwise; },
+  return std::visit(Overloaded{[&](const HalfSpace&) { return otherwise; }, [&](const Ground&) { return otherwise; },
                                [&](const Sphere& s) {
                                  Box b{s.centre, s.centre};
                                  for (int a = 0; a < dim; ++a) {
@@ -156,7 +187,7 @@ double farthest(const SolidShape& shape, const Vec<3>& from, int dim) {
     for (int a = 0; a < dim; ++a) most[a] = std::max(std::abs(b.min[a] - from[a]), std::abs(b.max[a] - from[a]));
     return length(most);
   };
-  return std::visit(Overloaded{[](const HalfSpace&) { return unbounded; },
+  return std::visit(Overloaded{[](const HalfSpace&) { return unbounded; }, [](const Ground&) { return unbounded; },
                                [&](const Sphere& s) { return length(s.centre - from) + s.radius; },
                                [&](const auto& region) { return of_box(bounding_box(region, dim)); }},
                     shape);

@@ -23,13 +23,21 @@ struct Sphere {
   bool operator==(const Sphere&) const = default;
 };
 
-using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon>;
+/// All points below a terrain, in 3D.
+struct Ground {
+  std::shared_ptr<const Terrain> surface;
+
+  bool operator==(const Ground& o) const;
+};
+
+using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon, Ground>;
 
 /// Where a point is with respect to a surface.
 struct Nearness {
   double distance;  ///< to the surface [m]; negative inside
   Vec<3> normal;    ///< of the nearest place of the surface, of unit length, outwards
 };
+/// Of a place that is farther from a terrain than 16 of its pixels the distance is a lower bound.
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
 /// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges.

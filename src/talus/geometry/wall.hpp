@@ -24,6 +24,13 @@ TALUS_HD constexpr bool is_passable(WallKind kind) {
 /// A period holds a multiple of so many cells.
 inline constexpr int periodic_multiple = 4;
 inline constexpr Choice contact_choices[] = {wall_choices[2], wall_choices[3], wall_choices[4], wall_choices[5]};
+/// Of a terrain; `voellmy` is `friction` with a coefficient xi.
+inline constexpr Choice ground_choices[] = {
+    wall_choices[2],
+    wall_choices[3],
+    wall_choices[4],
+    wall_choices[5],
+    {"voellmy", "`friction` and, growing with the squared speed, turbulent friction rho g v^2/xi (Voellmy 1955)"}};
 inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction, WallKind::rough};
 
 /// What the surface of a wall or of a solid does to material that meets it.
@@ -32,6 +39,9 @@ struct Wall {
   double friction;      ///< Coulomb's coefficient, of `friction`
   bool separates;       ///< material may lift off; otherwise it is held
   FrictionRise rise{};  ///< with the sliding speed, of `friction`
+  /// Of `friction` on a terrain: the coefficient xi of turbulent friction [m/s2], which holds what slides at a speed v by
+  /// rho g v^2/xi more (Voellmy 1955); 0 where there is none.
+  double xi = 0;
 
   Wall(WallKind k = WallKind::open, double mu = 0, bool lifts_off = false)  // NOLINT: a kind alone is a wall
       : kind(k), friction(mu), separates(lifts_off) {}

@@ -60,6 +60,14 @@ void read_listed(Section& s, const Case& case_, const std::string& folder, BodyS
   if (s.has("lattice")) s.complain("lattice", "has no meaning for listed points");
 }
 
+/// A layer on the terrain.
+void read_released(Section& s, Case& case_, const std::string& folder, BodySpec& body) {
+  body.spacing = s.number(keys::spacing);
+  Section release = s.section(keys::release);
+  body.region = read_release(release, case_, folder, body.spacing);
+  if (s.has("lattice")) s.complain("lattice", "has no meaning for a release, whose particles follow the ground");
+}
+
 /// A shape, and the lattice of particles that fills it.
 void read_filled(Section& s, const Case& case_, const std::string& folder, BodySpec& body) {
   if (s.has("image")) {
@@ -100,12 +108,14 @@ void read_initial_stress(Section& s, const Case& case_, BodySpec& body) {
   t.close();
 }
 
-BodySpec read_body(Section& s, const Case& case_, const std::string& folder) {
+BodySpec read_body(Section& s, Case& case_, const std::string& folder) {
   BodySpec body;
   body.material = read_material_of(s, case_);
   s.expect_one_of();
   if (s.has("points"))
     read_listed(s, case_, folder, body);
+  else if (s.has("release"))
+    read_released(s, case_, folder, body);
   else
     read_filled(s, case_, folder, body);
   read_velocity(s, case_, body);
@@ -121,15 +131,26 @@ BodySpec read_body(Section& s, const Case& case_, const std::string& folder) {
 
 const Declaration& body_declaration() {
   static const Declaration d = [] {
-    std::vector<Entry> all = {
-        required(material_of_body), optional(keys::box),      optional(keys::cylinder), optional(keys::polygon),
-        optional(keys::image),      optional(keys::points),   depends(keys::spacing),   optional(lattice),
-        optional(keys::scatter),    optional(seed),           optional(velocity),       optional(spin),
-        optional(spin_in_3d),       required(initial_stress), required(given_stress)};
+    std::vector<Entry> all = {required(material_of_body),
+                              optional(keys::box),
+                              optional(keys::cylinder),
+                              optional(keys::polygon),
+                              optional(keys::image),
+                              optional(keys::points),
+                              optional(keys::release),
+                              depends(keys::spacing),
+                              optional(lattice),
+                              optional(keys::scatter),
+                              optional(seed),
+                              optional(velocity),
+                              optional(spin),
+                              optional(spin_in_3d),
+                              required(initial_stress),
+                              required(given_stress)};
     Laws::for_each([&]<class Law>() {
       if constexpr (HasVoidRatio<Law>) all.push_back(depends(keys::void_ratio(Law::void_ratios)));
     });
-    return Declaration("a body", std::move(all), {"box", "cylinder", "polygon", "image", "points"});
+    return Declaration("a body", std::move(all), {"box", "cylinder", "polygon", "image", "points", "release"});
   }();
   return d;
 }

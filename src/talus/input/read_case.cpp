@@ -11,7 +11,7 @@ namespace {
 constexpr Text title_of_case{"title", "what the case is, in one line"};
 
 const Declaration& run_declaration() {
-  static const Declaration d("[run]", {required(keys::end)});
+  static const Declaration d("[run]", {required(keys::end), optional(keys::stop_below)});
   return d;
 }
 constexpr Table run_table{"run", "how long", run_declaration};
@@ -19,9 +19,10 @@ constexpr Table run_table{"run", "how long", run_declaration};
 }  // namespace
 
 const Declaration& case_declaration() {
-  static const Declaration d("a case", {required(title_of_case), required(keys::domain), required(keys::materials),
-                                        required(keys::bodies), optional(keys::loads), optional(keys::solids),
-                                        optional(keys::numerics), required(run_table), optional(keys::output)});
+  static const Declaration d(
+      "a case", {required(title_of_case), required(keys::domain), required(keys::materials), required(keys::bodies),
+                 optional(keys::loads), optional(keys::solids), optional(keys::terrain), optional(keys::numerics),
+                 required(run_table), optional(keys::output)});
   return d;
 }
 
@@ -32,6 +33,7 @@ Case understand_case(Document& document, const std::string& folder) {
   Section numerics = root.optional_section(keys::numerics);
   read_materials(root, numerics.is_text(keys::preset.key, "paper") ? Preset::paper : Preset::standard, case_);
   read_domain(root, case_);
+  read_terrain(root, case_, folder);
   read_bodies(root, case_, folder);
   read_loads(root, case_);
   read_solids(root, case_, folder);
@@ -39,6 +41,7 @@ Case understand_case(Document& document, const std::string& folder) {
   const bool is_right_so_far = document.is_right();
   Section run = root.section(run_table);
   case_.end = run.number(keys::end);
+  case_.stop_below = run.optional_number(keys::stop_below).value_or(0);
   run.close();
   read_output(root, case_);
   root.close();

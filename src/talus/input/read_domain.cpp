@@ -28,10 +28,12 @@ const Declaration& walls_declaration() {
 }
 constexpr Table walls_table{"walls", "what stands on the sides of the domain", walls_declaration};
 
-void read_walls(Section& domain, Case& case_) {
+/// Over a terrain what leaves is gone; elsewhere it stops the run.
+void read_walls(Section& domain, bool on_terrain, Case& case_) {
+  if (on_terrain) case_.walls.fill(WallKind::outflow);
   if (!domain.has("walls")) {
     for (int side = 0; side < 2 * case_.dim; ++side)
-      domain.note("walls." + name_of_side(side), "open", key_of_wall(side).option.meaning);
+      domain.note("walls." + name_of_side(side), on_terrain ? "outflow" : "open", key_of_wall(side).option.meaning);
     return;
   }
   Section walls = domain.section(walls_table);
@@ -43,7 +45,7 @@ void read_walls(Section& domain, Case& case_) {
 }  // namespace
 
 const Declaration& domain_declaration() {
-  static const Declaration d("[domain]", {required(kind_of_domain), required(lower), required(upper),
+  static const Declaration d("[domain]", {required(kind_of_domain), depends(lower), depends(upper),
                                           required(keys::cell), required(gravity), optional(walls_table)});
   return d;
 }
@@ -53,13 +55,17 @@ void read_domain(Section& root, Case& case_) {
   const int kind = s.required_choice(kind_of_domain);
   case_.dim = kind == 1 ? 3 : 2;
   case_.axisymmetric = kind == 2;
-  case_.domain = {vector_of(s.numbers(lower, case_.dim)), vector_of(s.numbers(upper, case_.dim))};
+  if (root.has("terrain")) {
+    expect_absent(s, {"min", "max"}, "a domain without [terrain], whose `crop` says what part of the map it is");
+  } else {
+    case_.domain = {vector_of(s.numbers(lower, case_.dim)), vector_of(s.numbers(upper, case_.dim))};
+  }
   constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
   if (!s.has("min") || !s.has("max"))  // nothing is held against half a domain
     case_.domain = {{unknown, unknown, unknown}, {unknown, unknown, unknown}};
   case_.cell = s.number(keys::cell);
   case_.gravity = vector_of(s.numbers(gravity, case_.dim));
-  read_walls(s, case_);
+  read_walls(s, root.has("terrain"), case_);
   s.close();
 }
 

@@ -33,13 +33,36 @@ std::optional<std::vector<double>> read_pictures(Section& s, const Case& case_) 
   return s.is_right() ? std::optional(instants) : std::nullopt;
 }
 
+const Declaration& maps_declaration() {
+  static const Declaration d(
+      "maps", {optional(keys::map_pixel), optional(keys::map_interval), optional(keys::least_thickness)});
+  return d;
+}
+constexpr Table maps_table{"maps", "maps of a run on terrain", maps_declaration};
+
+void read_maps(Section& output, Case& case_) {
+  if (!case_.map) {
+    if (output.has("maps")) output.complain("maps", "goes with a [terrain] only");
+    return;
+  }
+  Section s = output.optional_section(maps_table);
+  MapSpec& maps = case_.output.maps;
+  const auto number = [&](const Parameter& p, const Default& by_default) {
+    return s.number(p, by_default.value, by_default.reason);
+  };
+  maps.pixel = number(keys::map_pixel, default_map_pixel(case_));
+  maps.interval = number(keys::map_interval, default_map_interval(case_));
+  maps.least_thickness = number(keys::least_thickness, default_least_thickness(case_));
+  s.close();
+}
+
 }  // namespace
 
 const Declaration& output_declaration() {
   static const Declaration d("[output]",
                              {optional(keys::snapshots), optional(keys::history), optional(keys::front_thickness),
                               optional(Numbers{keys::pictures(0)}), optional(fields), optional(keys::checkpoints),
-                              optional(keys::checkpoint_wall)});
+                              optional(keys::checkpoint_wall), optional(maps_table)});
   return d;
 }
 
@@ -55,6 +78,7 @@ void read_output(Section& root, Case& case_) {
   o.pictures = read_pictures(s, case_);
   const std::vector<std::string> usual = default_fields(case_);
   o.fields = s.words(fields.key, known_fields(case_), {usual.begin(), usual.end()}, fields.meaning);
+  read_maps(s, case_);
   o.checkpoints = s.optional_number(keys::checkpoints);
   o.checkpoint_wall = s.number(keys::checkpoint_wall, o.checkpoint_wall);
   s.close();

@@ -20,6 +20,8 @@ const Declaration& material_declaration();
 const Declaration& body_declaration();
 const Declaration& load_declaration();
 const Declaration& solid_declaration();
+const Declaration& terrain_declaration();
+const Declaration& release_declaration();
 const Declaration& motion_declaration();
 const Declaration& numerics_declaration();
 const Declaration& output_declaration();
@@ -29,6 +31,8 @@ const Declaration& output_declaration();
 /// `folder` is where files are looked for that a section names.
 void read_materials(Section& root, Preset preset, Case& case_);
 void read_domain(Section& root, Case& case_);
+/// After the domain, which a terrain says the size of.
+void read_terrain(Section& root, Case& case_, const std::string& folder);
 void read_bodies(Section& root, Case& case_, const std::string& folder);
 void read_loads(Section& root, Case& case_);
 void read_solids(Section& root, Case& case_, const std::string& folder);
@@ -40,6 +44,7 @@ inline constexpr NamedTables materials{{"material", "what bodies are made of", m
 inline constexpr Table domain{"domain", "the box the grid fills", domain_declaration};
 inline constexpr NamedTables bodies{{"body", "the bodies, each a region filled with particles", body_declaration}};
 inline constexpr NamedTables loads{{"load", "stresses on the sides of bodies", load_declaration}};
+inline constexpr Table terrain{"terrain", "the ground of a slope, from a raster of heights", terrain_declaration};
 inline constexpr NamedTables solids{{"solid", "rigid solids inside the domain", solid_declaration}};
 inline constexpr Table numerics{"numerics", "how the equations are solved", numerics_declaration};
 inline constexpr Option preset{"preset", "where the defaults of the other keys come from", preset_choices};
@@ -58,6 +63,8 @@ struct SurfaceKey {
 /// A side of the domain, and the surface of a solid.
 SurfaceKey key_of_wall(int side);
 SurfaceKey key_of_contact();
+/// The ground of a terrain.
+SurfaceKey key_of_ground();
 Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_);
 
 /// Tables of shapes.
@@ -76,6 +83,7 @@ inline constexpr Table half_space{"half_space", "all points behind a plane", hal
 inline constexpr Table sphere{"sphere", "a sphere; in plane strain a disk", sphere_declaration};
 inline constexpr Table image{"image", "the dark pixels of a picture", image_declaration};
 inline constexpr Table points{"points", "particles listed in a file", points_declaration};
+inline constexpr Table release{"release", "a layer on the terrain", release_declaration};
 }  // namespace keys
 
 /// The key `box`, `cylinder` or `polygon`, whichever there is.
@@ -86,6 +94,9 @@ SolidShape read_solid_shape(Section& s, int dim);
 Region read_image(Section& s, const std::string& folder);
 /// Particles of a CSV file, in SI; without a column of volumes each is a square or cube of edge `spacing`.
 Region read_points(Section& s, int dim, const std::string& folder, std::optional<double> spacing);
+
+/// A layer on the terrain of the case, filled with particles that stand `spacing` apart.
+Region read_release(Section& s, Case& case_, const std::string& folder, double spacing);
 
 PrescribedMotion read_motion(Section& s, int dim, const std::string& folder);
 

@@ -36,6 +36,13 @@ struct CohesiveFriction : Elasticity {
   /// The elastic compression at the apex. Below it the material has opened, by the difference.
   TALUS_HD double closed() const { return apex / bulk_modulus(); }
 
+  /// Stiffness of a unit of present volume [Pa] at an elastic compression w. What has opened presses only when it has closed
+  /// again, and is then as small as it was.
+  template <Number R>
+  TALUS_HD R stiffness_at(R w) const {
+    return R(wave_modulus()) * exp(min(w - R(closed()), R(0.0)));
+  }
+
   /// s where a strain leads without flow.
   template <Number R>
   TALUS_HD SymTensor<R> trial_deviator(const State<R>& state, const SymTensor<R>& strain) const {
@@ -73,7 +80,7 @@ struct CohesiveFriction : Elasticity {
     const R volume_ratio = state.volume_ratio * exp(trace(strain));
     const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};
-    return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, plastic_work, zero};
+    return {outcome_of(carries, dkappa > zero, w < R(closed())), stiffness_at(w_end), zero, work, plastic_work, zero};
   }
 
   /// What pressing from one pressure to another takes [J/m3].

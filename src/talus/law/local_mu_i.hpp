@@ -79,7 +79,7 @@ struct LocalMuI : CohesiveFriction {
     const R volume_ratio = state.volume_ratio * exp(trace(motion.strain));
     const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w, state.kappa + R(1 / std::numbers::sqrt3) * shear, volume_ratio};
-    return {outcome_of(carries, yields, w < zero), R(wave_modulus()), zero, work, plastic_work, zero};
+    return {outcome_of(carries, yields, w < zero), stiffness_at(w), zero, work, plastic_work, zero};
   }
 
   double grain_diameter() const { return d; }

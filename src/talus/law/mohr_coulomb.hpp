@@ -92,7 +92,7 @@ struct MohrCoulomb : CohesiveFriction {
     const R plastic_work =
         R(1 / (2 * G)) * double_dot(mean, s_trial - s) - dilating + opened + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};
-    return {outcome_of(carries, dkappa > zero, w < R(closed())), R(wave_modulus()), zero, work, plastic_work, zero};
+    return {outcome_of(carries, dkappa > zero, w < R(closed())), stiffness_at(w_end), zero, work, plastic_work, zero};
   }
 
   /// What is left of a trial deviator and a pressure, counted from the apex, when as much has flowed as brings f to zero; the

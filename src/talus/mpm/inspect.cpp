@@ -138,6 +138,23 @@ void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
 }
 
 template <int Dim>
+void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
+  const Particles<Dim>& p = body.particles;
+  std::visit(
+      [&]<class Law>(const Law& law) {
+        for (int i = 0; i < p.size(); ++i) {
+          rows.push_back(p.id()[i]);
+          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
+          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.velocity(a)[i] : 0);
+          const double volume = p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i));
+          rows.push_back(std::min(volume, most_room * p.mass()[i]));
+          rows.push_back(p.mass()[i]);
+        }
+      },
+      body.law);
+}
+
+template <int Dim>
 void CellPressures<Dim>::add(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
                              const Index<Dim>& tile) {
   const Particles<Dim>& p = body.particles;
@@ -292,6 +309,8 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
 template void place_body(const Body<2>&, bool, ParticlePlaces&);
 template void place_body(const Body<3>&, bool, ParticlePlaces&);
+template void add_flow_of_body(const Body<2>&, double, Message&);
+template void add_flow_of_body(const Body<3>&, double, Message&);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);

@@ -31,6 +31,12 @@ void leave_out_what_has_left(Observation& seen);
 template <int Dim>
 void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
 
+/// Adds the id, place, velocity, volume and mass of each of a body's particles. What has more than `most_room` [m3/kg] is
+/// spray, whose volume is mostly gap: it has so much.
+template <int Dim>
+void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows);
+inline constexpr int flow_row = 9;  ///< numbers of a particle there
+
 /// What the pressure in a tile follows from: sums over the particles of each of its cells.
 template <int Dim>
 struct CellPressures {

@@ -2,6 +2,8 @@
 /// The ledger: where mass, momentum and energy of a run are. Stages of the step say what they cost; only the ledger adds
 /// up.
 
+#include <array>
+
 #include "talus/math/vec.hpp"
 #include "talus/mpm/tile_sums.hpp"
 
@@ -12,7 +14,10 @@ struct Outflow {
   double mass = 0;    ///< [kg]
   Vec<3> momentum{};  ///< [kg m/s]
   double kinetic = 0, potential = 0, elastic = 0;
+  /// Its mass by where it left [kg]: the sides of the domain in their order, last ground whose height is not known.
+  std::array<double, 7> mass_through{};
 };
+inline constexpr std::size_t unknown_ground = 6;
 
 /// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness, axisymmetric per
 /// radian.

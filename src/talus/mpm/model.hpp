@@ -38,6 +38,18 @@ struct StepInput {
   double least_mass;  ///< below which a node has none [kg]
 };
 
+/// Mean weight per volume of all bodies at the start [N/m3].
+template <int Dim, class Shape>
+double unit_weight_of(const std::vector<ShapedBody<Dim, Shape>>& bodies, const Vec<Dim>& gravity) {
+  double mass = 0, volume = 0;
+  for (const auto& body : bodies) {
+    const double of_body = std::accumulate(body.particles.mass(), body.particles.mass() + body.particles.size(), 0.0);
+    mass += of_body;
+    volume += of_body * largest_volume_per_mass<Dim>(body);
+  }
+  return volume > 0 ? mass / volume * std::sqrt(dot(gravity, gravity)) : 0;
+}
+
 template <int Dim, class Shape>
 struct Model {
   using Layout = TileLayout<Dim, Shape>;
@@ -49,7 +61,7 @@ struct Model {
         numerics(n),
         bodies(std::move(shaped_bodies)),
         backend(where),
-        contact_finder(box, std::move(solids)),
+        contact_finder(box, std::move(solids), unit_weight_of(bodies, g)),
         rooms(box, bodies.front().shape),
         scratch(std::size_t(where.n_workers())) {
     for (const auto& body : bodies) {

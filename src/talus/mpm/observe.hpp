@@ -59,6 +59,27 @@ ParticlePlaces places_of(const Model<Dim, Shape>& m) {
   return all;
 }
 
+template <int Dim, class Shape>
+FlowPoints flow_of(const Model<Dim, Shape>& m) {
+  Message mine;
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) add_flow_of_body<Dim>(m.bodies[b], m.most_room[b], mine);
+  // The row of each id; none of what has left.
+  std::vector<const double*> rows(std::size_t(std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L)));
+  const std::vector<Message> all = m.backend.gather(mine);
+  for (const Message& of_owner : all)
+    for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += flow_row)
+      rows[std::size_t(row[0])] = row;
+  FlowPoints points;
+  for (const double* row : rows) {
+    if (!row) continue;
+    points.places.push_back({row[1], row[2], row[3]});
+    points.velocities.push_back({row[4], row[5], row[6]});
+    points.volumes.push_back(row[7]);
+    points.masses.push_back(row[8]);
+  }
+  return points;
+}
+
 /// Of all tiles that hold material which may flow, in the order of their places.
 template <int Dim, class Shape>
 std::vector<TilePressure> pressures_of(const Model<Dim, Shape>& m) {

@@ -42,6 +42,12 @@ struct ParticlePlaces {
   std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
 };
 
+/// How the particles that are there flow, in the order of their ids: all that maps need.
+struct FlowPoints {
+  std::vector<Vec<3>> places, velocities;  ///< [m], [m/s]
+  std::vector<double> volumes, masses;     ///< [m3], [kg]
+};
+
 /// Pressure in a tile of the grid, four cells along each axis, of all material but that whose particles keep their
 /// neighbours.
 struct TilePressure {
@@ -70,6 +76,7 @@ class Simulation {
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;
+  virtual FlowPoints flow() const = 0;
   /// Of all tiles that hold such material, in the order of their places.
   virtual std::vector<TilePressure> pressures() const = 0;
   /// Everything about one particle, a line a quantity.

@@ -76,6 +76,7 @@ class Stepper final : public Simulation {
     return talus::observe(model_, ledger_.time, ledger_.step, broken_);
   }
   ParticlePlaces places() const override { return places_of(model_); }
+  FlowPoints flow() const override { return flow_of(model_); }
   std::vector<TilePressure> pressures() const override { return pressures_of(model_); }
   std::string describe(long particle) const override { return describe_particle(model_, particle); }
   long n_particles() const override { return model_.n_particles; }

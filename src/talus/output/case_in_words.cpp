@@ -15,7 +15,9 @@ namespace {
 std::string surface_in_words(const Wall& surface) {
   switch (surface.kind) {
     case WallKind::friction:
-      return fmt::format("friction {:.3g}{}", surface.friction, surface.separates ? "" : " and held");
+      return fmt::format("friction {:.3g}{}{}", surface.friction,
+                         surface.xi > 0 ? fmt::format(" and turbulent friction, xi = {:g} m/s2", surface.xi) : "",
+                         surface.separates ? "" : " and held");
     case WallKind::symmetry: return "plane of symmetry";
     case WallKind::no_slip: return "sticking";
     case WallKind::periodic: return "periodic";
@@ -35,11 +37,12 @@ std::string size_of(const Box& box, int dim) {
 
 std::string body_in_words(const Case& case_, const BodySpec& body) {
   const Material& material = case_.materials[body.material];
-  const char* shape = std::holds_alternative<Cylinder>(body.region)    ? "cylinder"
-                      : std::holds_alternative<Polygon>(body.region)   ? "polygon"
-                      : std::holds_alternative<Raster>(body.region)    ? "picture"
-                      : std::holds_alternative<PointList>(body.region) ? "list of points"
-                                                                       : "box";
+  const char* shape = std::holds_alternative<Cylinder>(body.region)       ? "cylinder"
+                      : std::holds_alternative<Polygon>(body.region)      ? "polygon"
+                      : std::holds_alternative<Raster>(body.region)       ? "picture"
+                      : std::holds_alternative<PointList>(body.region)    ? "list of points"
+                      : std::holds_alternative<SurfaceLayer>(body.region) ? "layer on the ground"
+                                                                          : "box";
   const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
   return fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
                      size_of(bounding_box(body.region, case_.dim), case_.dim), material.name,

@@ -44,6 +44,9 @@ struct RunSoFar {
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of the instants in pictures [s]
   Schedule next_snapshot{}, next_row{};
   std::vector<double> pressure_noise;  ///< state of PressureNoise
+  std::vector<double> maps;            ///< state of TerrainMaps
+  double peak_kinetic = 0;             ///< largest kinetic energy so far [J]
+  double last_flow = 0;                ///< when kinetic energy last was above the share of it that ends a run [s]
   double wall_seconds = 0, cpu_seconds = 0;
   std::vector<double> resumed_at;  ///< times from which the run was resumed [s]
 };

@@ -62,10 +62,17 @@ std::string notice_of_symmetry(const Case& case_) {
 
 std::string notice_of_outflow(const Ledger& l) {
   if (l.outflow.mass == 0) return "";
+  std::vector<std::string> ways;
+  for (std::size_t way = 0; way < l.outflow.mass_through.size(); ++way)
+    if (const double mass = l.outflow.mass_through[way]; mass > 0)
+      ways.push_back(fmt::format("{} {:.3g} %",
+                                 way == unknown_ground ? "over ground without heights" : side_choices[way].word,
+                                 100 * mass / l.outflow.mass));
   return fmt::format(
-      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides. Fronts and heights are those of what is "
+      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides ({}). Fronts and heights are those of what "
+      "is "
       "still there.",
-      l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass));
+      l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass), fmt::join(ways, ", "));
 }
 
 std::string in_words(const StepTally& t) {

@@ -14,12 +14,22 @@ using Json = nlohmann::ordered_json;
 
 Json vector(const Vec<3>& v) { return {v[0], v[1], v[2]}; }
 
+/// What has left, by the sides of the domain; `unknown_ground` is ground whose height is not known.
+Json outflow_in_json(const Outflow& outflow) {
+  Json ways = Json::object();
+  for (std::size_t way = 0; way < outflow.mass_through.size(); ++way)
+    if (outflow.mass_through[way] > 0)
+      ways[way == unknown_ground ? "unknown_ground" : std::string(side_choices[way].word)] = outflow.mass_through[way];
+  return ways;
+}
+
 Json run_in_json(const RunSummary& run) {
   const double particle_steps = double(run.n_particles) * double(run.ledger.step);
   return {{"outcome", !run.failure.empty() ? "failed"
                       : run.stopped        ? "stopped"
                                            : "finished"},
           {"failure", run.failure},
+          {"came_to_rest", run.came_to_rest},
           {"particles", run.n_particles},
           {"steps", run.ledger.step},
           {"simulated_seconds", run.ledger.time},
@@ -53,6 +63,7 @@ void add_ledger(const Ledger& l, Json& record) {
   }
   if (l.outflow.mass > 0)
     record["outflow"] = {{"mass_kilogram", l.outflow.mass},
+                         {"mass_kilogram_through", outflow_in_json(l.outflow)},
                          {"momentum_newton_second", vector(l.outflow.momentum)},
                          {"kinetic_joule", l.outflow.kinetic},
                          {"potential_joule", l.outflow.potential},
@@ -98,6 +109,15 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   add_ledger(run.ledger, record);
   if (run.noise)
     record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};
+  if (run.runout)
+    record["maps"] = {{"released_cubic_metre", run.runout->released},
+                      {"deposited_cubic_metre", run.runout->deposited},
+                      {"area_square_metre", run.runout->area},
+                      {"drop_metre", run.runout->drop},
+                      {"length_metre", run.runout->length},
+                      {"farthest_east_north_metre", {run.runout->farthest[0], run.runout->farthest[1]}},
+                      {"peak_thickness_metre", run.runout->thickness},
+                      {"peak_speed_metre_per_second", run.runout->speed}};
   record["time_step"] = time_step_in_json(run.tally);
   record["outline_metre"] = {{"start", outline_in_json(run.start)}, {"end", outline_in_json(run.end)}};
   write_whole(file, record.dump(2) + "\n");

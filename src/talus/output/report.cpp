@@ -7,12 +7,14 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <numbers>
 #include <sstream>
 
 #include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/output/case_in_words.hpp"
+#include "talus/output/map_picture.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/page.hpp"
 #include "talus/output/page_parts.hpp"
@@ -118,6 +120,30 @@ std::string title_section(const Case& case_, const RunSummary& run) {
   return section + "<p>" + escaped(in_words(case_)) + "</p>\n";
 }
 
+/// What the maps say, and the maps.
+std::string maps_section(const Runout& r, const std::vector<Picture>& maps) {
+  std::string section = "<h2>Maps</h2>\n<table>\n";
+  const auto row = [&](const char* name, const std::string& value) {
+    section += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", name, value);
+  };
+  row("released", fmt::format("{} m\u00b3", grouped(r.released)));
+  row("on the ground at the end", fmt::format("{} m\u00b3", grouped(r.deposited)));
+  row("area where flow has been, in plan", fmt::format("{} m\u00b2", grouped(r.area)));
+  row("drop from the highest place of the release to the farthest reached", fmt::format("{} m", grouped(r.drop)));
+  row("distance between them, in plan", fmt::format("{} m", grouped(r.length)));
+  if (r.length > 0)
+    row("drop over distance", fmt::format("{:.2f}, an angle of {:.1f}\u00b0", r.drop / r.length,
+                                          std::atan2(r.drop, r.length) * 180 / std::numbers::pi));
+  row("farthest place reached", fmt::format("east {}, north {} m", grouped(r.farthest[0]), grouped(r.farthest[1])));
+  row("largest thickness", fmt::format("{:.3g} m", r.thickness));
+  row("largest speed", fmt::format("{:.3g} m/s", r.speed));
+  section +=
+      "</table>\n<p>Thickness is normal to the ground. Speed and arrival are told where material is thicker than "
+      "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
+  for (const Picture& p : maps) section += embedded_figure(p.file, p.caption);
+  return section;
+}
+
 std::string outline_section(const Case& case_, const Outline& start, const Outline& end) {
   const LengthUnit unit = length_unit_for(extent(case_));
   const auto length = [&](double x) {
@@ -220,6 +246,7 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
   std::ostringstream page;
   page << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
        << page_parts::licences_html() << title_section(case_, run);
+  if (run.runout) page << maps_section(*run.runout, pictures);
   page << "<h2>Particles</h2>\n" << particles_section(folder, case_, run);
   page << "<h2>In time</h2>\n<p>Point at a curve to read it off; drag over it to enlarge a part, double-click to see "
           "all "
@@ -227,9 +254,11 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
        << charts_section(folder, charts);
   for (const std::string& notice : {notice_of_symmetry(case_), notice_of_outflow(run.ledger)})
     if (!notice.empty()) page << "<p>" << escaped(notice) << "</p>\n";
-  page << outline_section(case_, run.start, run.end);
-  if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
-  for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
+  if (!run.runout) {
+    page << outline_section(case_, run.start, run.end);
+    if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
+    for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
+  }
   page << energy_section(case_, run.ledger) << noise_section(run.noise) << time_step_section(run.tally)
        << case_section(run) << record_section(run) << "</body></html>\n";
   write_whole(folder / "report.html", page.str());

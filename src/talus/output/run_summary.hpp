@@ -9,6 +9,7 @@
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/pressure_noise.hpp"
+#include "talus/output/terrain_maps.hpp"
 
 namespace talus {
 
@@ -27,6 +28,8 @@ struct RunSummary {
   int n_snapshots = 0;
   std::string failure;             ///< reason the run failed; empty if it did not
   bool stopped = false;            ///< by the user, before its end
+  std::optional<Runout> runout;    ///< of a run on terrain
+  bool came_to_rest = false;       ///< ended before its end, because its kinetic energy had fallen so far
   std::vector<double> resumed_at;  ///< times from which it was resumed [s]
   std::vector<std::string> warnings;
 };

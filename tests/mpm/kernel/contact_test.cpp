@@ -40,6 +40,16 @@ TEST(Contact, WhatPressedWhenMomentumCameToTheNodeRubsAsWell) {
   EXPECT_DOUBLE_EQ(after_contact(c, {10, -2, 0}).velocity[0], 10 - 0.5 * 6);
 }
 
+TEST(Contact, TurbulentFrictionTakesMoreOfAFastNodeAndWorksWithoutPressure) {
+  // dv/dt = -0.5 v^2 over 0.1 s: 1/v grows by 0.05. Of 10 m/s, first 0.5 x 6 are Coulomb's, so 7/(1 + 0.05 x 7) are
+  // left; without pressure 10/(1 + 0.05 x 10).
+  NodeContact c{0, rubbing, {0, 1, 0}};
+  c.drag = 0.5;
+  EXPECT_DOUBLE_EQ(after_contact(c, {10, -6, 0}, {0.1, 0}).velocity[0], 7 / 1.35);
+  EXPECT_DOUBLE_EQ(after_contact(c, {10, 0, 0}, {0.1, 0}).velocity[0], 10 / 1.5);
+  EXPECT_EQ(after_contact(c, {3, -6, 0}, {0.1, 0}).velocity, (Vec<3>{0, 0, 0})) << "Coulomb's holds it";
+}
+
 TEST(Contact, WhereStressHasPressedMaterialIsHeldWhateverTheMeanVelocityAroundItSays) {
   NodeContact c{0, rubbing, {0, 1, 0}, {5, 1, 0}};
   EXPECT_EQ(at_start(c, {3, 2, 0}), (Vec<3>{3, 2, 0})) << "leaves";
@@ -106,13 +116,13 @@ TEST(ContactKernel, WhereFrictionGrowsWithTheSpeedMoreOfItIsTaken) {
   // v = 2 - 0.4 2 k v/(I_0 + k v) with I_0 = 1: v (1 + k v) = 2 (1 + k v) - 0.8 k v.
   Wall grows(WallKind::friction, 0.5, true);
   grows.rise = {.gain = 0.4, .I_0 = 1, .diameter = 0.5, .Phi = 0.5};
-  const double k = std::sqrt(2.0), v = after_contact({0, grows, {0, 1, 0}}, {3, -2, 0}, 1).velocity[0];
+  const double k = std::sqrt(2.0), v = after_contact({0, grows, {0, 1, 0}}, {3, -2, 0}, {1, 1}).velocity[0];
   EXPECT_NEAR(v, 2 - 0.8 * k * v / (1 + k * v), 1e-14);
   EXPECT_GT(v, 1.2);  // no more than mu at infinite I takes
   EXPECT_LT(v, 2);
   // It sticks where constant friction does, and slides slowly where it hardly slides.
-  EXPECT_TRUE(after_contact({0, grows, {0, 1, 0}}, {0.9, -2, 0}, 1).sticks);
-  const double slow = after_contact({0, grows, {0, 1, 0}}, {1 + 1e-9, -2, 0}, 1).velocity[0];
+  EXPECT_TRUE(after_contact({0, grows, {0, 1, 0}}, {0.9, -2, 0}, {1, 1}).sticks);
+  const double slow = after_contact({0, grows, {0, 1, 0}}, {1 + 1e-9, -2, 0}, {1, 1}).velocity[0];
   EXPECT_NEAR(slow, 1e-9 / (1 + 0.8 * k), 1e-15);
 }
 
@@ -124,7 +134,7 @@ TEST(ContactKernel, FrictionTurnsIntoHeatWhatItTakesOverTheWayThatTheNodeSlides)
   NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, 0, 0, 2)), new_velocity(node<MassVelocity>(3, -2, 0, 2));
   NodesOfTile<2, Acceleration> acceleration(node<Acceleration>(rubbish, rubbish, rubbish, rubbish));
   TileSums sums;
-  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, 0, Quad(0.0), force.data(), velocity.data(),
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, {0.1, 0}, Quad(0.0), force.data(), velocity.data(),
                      new_velocity.data(), acceleration.data(), sums);
   EXPECT_EQ(new_velocity.at({1, 2}).velocity, (Vec<3>{2, 0, 0}));
   EXPECT_EQ(contact.impulse, (Vec<3>{-2, 4, 0}));
@@ -143,7 +153,7 @@ TEST(ContactKernel, WhereFrictionHoldsTheContactSticks) {
       new_velocity(node<MassVelocity>(0.5, -2, 0, 2));
   NodesOfTile<2, Acceleration> acceleration(node<Acceleration>(0, 0, 0, 0));
   TileSums sums;
-  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, 0, Quad(0.0), force.data(), velocity.data(),
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, {0.1, 0}, Quad(0.0), force.data(), velocity.data(),
                      new_velocity.data(), acceleration.data(), sums);
   EXPECT_EQ(new_velocity.at({1, 2}).velocity, (Vec<3>{0, 0, 0}));
   EXPECT_TRUE(contact.closed);
@@ -151,7 +161,7 @@ TEST(ContactKernel, WhereFrictionHoldsTheContactSticks) {
   // With a force that pulls nothing is closed, whatever velocity came.
   force.at({1, 2}) = node<ForceStiffness>(0, 1, 0, 0);
   new_velocity.at({1, 2}) = node<MassVelocity>(0.5, -2, 0, 2);
-  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.1, 0, Quad(0.0), force.data(), velocity.data(),
+  rub_on_surfaces<2>({&contact, 1}, {0, 0}, no_walls, {0.1, 0}, Quad(0.0), force.data(), velocity.data(),
                      new_velocity.data(), acceleration.data(), sums);
   EXPECT_FALSE(contact.closed);
   EXPECT_FALSE(contact.sticks);

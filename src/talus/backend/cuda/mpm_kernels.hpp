@@ -172,8 +172,9 @@ struct Accelerations {
     accelerate(m.tiles[t].place, m.walls, m.near_wall[t], step.least_mass, step.dt, step.gravity,
                m.nodes_of(m.force, t), m.nodes_of(m.velocity, t), m.nodes_of(m.acceleration, t),
                m.nodes_of(m.new_velocity, t), m.sums[t]);
-    rub_on_surfaces(m.contacts[t], m.tiles[t].place, m.walls, step.dt, step.layer, step.gravity, m.nodes_of(m.force, t),
-                    m.nodes_of(m.velocity, t), m.nodes_of(m.new_velocity, t), m.nodes_of(m.acceleration, t), m.sums[t]);
+    rub_on_surfaces(m.contacts[t], m.tiles[t].place, m.walls, {step.dt, step.layer}, step.gravity,
+                    m.nodes_of(m.force, t), m.nodes_of(m.velocity, t), m.nodes_of(m.new_velocity, t),
+                    m.nodes_of(m.acceleration, t), m.sums[t]);
   }
 };
 template <class M, Advance which>

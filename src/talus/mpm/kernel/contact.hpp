@@ -31,6 +31,7 @@ struct NodeContact {
   bool sticks = false;  ///< and friction has held what pressed
   bool holds = false;   ///< has stopped what momentum would have brought through the surface
   double pressed = 0;   ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
+  double drag = 0;      ///< what slides at a speed v is slowed by `drag` v^2 beside friction [1/m]
   Vec<3> impulse{};     ///< given to the node when forces had acted [N s]
 };
 
@@ -77,12 +78,21 @@ TALUS_HD inline double sliding_left(const FrictionRise& rise, double sliding, do
   return b > 0 ? 2 * rise.I_0 * sliding / (b + root) : (root - b) / (2 * k);
 }
 
+/// The speed left of what slides while drag v^2 slows it for a step: 1/v grows by drag dt.
+TALUS_HD inline double after_drag(double drag, double speed, double dt) { return speed / (1 + drag * speed * dt); }
+
+/// How long a step is, and what `sliding_left` takes of it.
+struct ContactStep {
+  double dt = 0;     ///< [s]
+  double layer = 0;  ///< dt/h^3 [s/m3]
+};
+
 /// What is left of the velocity that a node would reach without contact.
 struct AfterContact {
   Vec<3> velocity;
   bool sticks;  ///< friction holds it on the surface
 };
-TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial, double layer = 0) {
+TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial, const ContactStep& step = {}) {
   const Vec<3> v = admitted(c, trial);
   if (c.surface.kind != WallKind::friction) return {v, false};
   const double pressed = dot(v - trial, c.normal) + c.pressed;
@@ -90,7 +100,10 @@ TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& t
   const double speed = sqrt(dot(sliding, sliding)), held = max(0.0, c.surface.friction * pressed);
   if (speed <= held) return {v - sliding, true};
   const FrictionRise& rise = c.surface.rise;
-  const double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, layer) : held;
+  double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, step.layer) : held;
+  // Turbulent friction does not depend on what presses: it also acts in steps in which material that swings on its
+  // ground does not press. Nothing would make up for it later, as a greater pressure does for Coulomb's.
+  if (c.drag > 0) taken = speed - after_drag(c.drag, speed - taken, step.dt);
   return {v - (taken / speed) * sliding, false};
 }
 
@@ -114,24 +127,24 @@ TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& 
   }
 }
 
-/// Applies contacts to the velocities that nodes have reached; `layer` is dt/h^3, see `sliding_left`. Their energy goes into work on what moves and into heat of
+/// Applies contacts to the velocities that nodes have reached. Their energy goes into work on what moves and into heat of
 /// what rubs. Writes new velocities and, from them, accelerations.
 template <int Dim>
 TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>& tile, const Mirrors<Dim>& walls,
-                              double dt, double layer, Quad gravity, const ForceStiffness* force,
+                              const ContactStep& step, Quad gravity, const ForceStiffness* force,
                               const MassVelocity* velocity, MassVelocity* new_velocity, Acceleration* acceleration,
                               TileSums& sums) {
   for (NodeContact& c : contacts) {
     const Quad trial = load_node(new_velocity[c.node]);
-    const AfterContact after = after_contact(c, vector_of(trial), layer);
+    const AfterContact after = after_contact(c, vector_of(trial), step);
     c.sticks = after.sticks;
     const Quad v_new = quad_of(after.velocity, trial[3]) * walls.allowed(tile, c.node);
     store_node(new_velocity[c.node], v_new);
     const double mass = velocity[c.node].mass;
     const Quad change = v_new - trial;
     c.impulse = mass * vector_of(change);
-    sums[Sum::grid_work] -= 0.5 * dt * dot3(load_node(force[c.node]), change);
-    sums[Sum::gravity_work] += 0.5 * dt * mass * dot3(gravity, change);
+    sums[Sum::grid_work] -= 0.5 * step.dt * dot3(load_node(force[c.node]), change);
+    sums[Sum::gravity_work] += 0.5 * step.dt * mass * dot3(gravity, change);
     sums[Sum::new_kinetic] += 0.5 * mass * (norm2(v_new) - norm2(trial));
     sums.raise(Most::node_speed2, norm2(v_new));
   }
@@ -139,7 +152,7 @@ TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>
   // that is friction; across it, where the node came and went within the step, an error of the step.
   for (NodeContact& c : contacts) {
     const Quad v = load_node(velocity[c.node]), v_new = load_node(new_velocity[c.node]);
-    store_node(acceleration[c.node], Quad(1 / dt) * (v_new - v));
+    store_node(acceleration[c.node], Quad(1 / step.dt) * (v_new - v));
     const Vec<3> sliding = 0.5 * vector_of(v + v_new) - c.velocity;
     c.closed = dot(c.impulse, c.normal) > 0 && dot(force[c.node].force, c.normal) < 0;
     c.sticks &= c.closed;

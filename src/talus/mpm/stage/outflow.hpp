@@ -40,36 +40,52 @@ Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int
   return out;
 }
 
-/// Notes in the ledger what they took along.
+/// Takes out the particles whose place `is_out`, through the way of that number (`Outflow::mass_through`), and notes in the
+/// ledger what they took along.
+template <int Dim, class Shape, class IsOut>
+void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, Ledger& ledger) {
+  for (auto& body : m.bodies) {
+    Particles<Dim>& p = body.particles;
+    std::vector<int> order(std::size_t(p.size()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto first_out = std::stable_partition(order.begin(), order.end(), [&](int i) { return !is_out(p, i); });
+    const int kept = int(first_out - order.begin());
+    if (kept < p.size()) {
+      std::vector<double> spare(std::size_t(p.size()));
+      for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
+    }
+    if (kept == p.size() && m.backend.n_owners() == 1) continue;
+    long n_left = 0;
+    Outflow out = held_by_particles<Dim, Shape>(m, body, kept, n_left);
+    if (n_left == 0) continue;
+    out.mass_through[way] = out.mass;
+    ledger.add_outflow(out);
+    m.n_particles -= n_left;
+    p.resize(kept);
+  }
+}
+
+/// Lets out what is beyond sides that let out, and what is over ground whose height is not known.
 template <int Dim, class Shape>
 void let_out(Model<Dim, Shape>& m, Ledger& ledger) {
   for (int side = 0; side < 2 * Dim; ++side) {
     if (!m.domain.lets_out(side)) continue;
     const int axis = side / 2;
-    const auto is_out = [&](double x) {
-      x = (x - m.domain.origin[axis]) / m.domain.h;
+    const auto is_out = [&](const Particles<Dim>& p, int i) {
+      const double x = (p.position(axis)[i] - m.domain.origin[axis]) / m.domain.h;
       return side % 2 == 0 ? x < 0 : x > m.domain.n_cells[axis];
     };
-    for (auto& body : m.bodies) {
-      Particles<Dim>& p = body.particles;
-      const double* x = p.position(axis);
-      std::vector<int> order(std::size_t(p.size()));
-      std::iota(order.begin(), order.end(), 0);
-      const auto first_out = std::stable_partition(order.begin(), order.end(), [&](int i) { return !is_out(x[i]); });
-      const int kept = int(first_out - order.begin());
-      if (kept < p.size()) {
-        std::vector<double> spare(std::size_t(p.size()));
-        for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
-      }
-      if (kept == p.size() && m.backend.n_owners() == 1) continue;
-      long n_left = 0;
-      const Outflow out = held_by_particles<Dim, Shape>(m, body, kept, n_left);
-      if (n_left == 0) continue;
-      ledger.add_outflow(out);
-      m.n_particles -= n_left;
-      p.resize(kept);
-    }
+    let_out_through(m, std::size_t(side), is_out, ledger);
   }
+  if constexpr (Dim == 3)
+    for (const Solid& solid : m.contact_finder.solids())
+      if (const auto* ground = std::get_if<Ground>(&solid.shape); ground && ground->surface->has_gaps())
+        let_out_through(
+            m, unknown_ground,
+            [&](const Particles<Dim>& p, int i) {
+              return !ground->surface->is_known(p.position(0)[i], p.position(1)[i]);
+            },
+            ledger);
 }
 
 }  // namespace talus

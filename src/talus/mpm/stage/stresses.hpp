@@ -94,7 +94,7 @@ TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
                g.acceleration.of(t), g.new_velocity.of(t), sums);
     if (m.contact_finder.any())
-      rub_on_surfaces(m.contacts_of(t), place, walls, step.dt, layer, gravity, g.force.of(t), g.velocity.of(t),
+      rub_on_surfaces(m.contacts_of(t), place, walls, {step.dt, layer}, gravity, g.force.of(t), g.velocity.of(t),
                       g.new_velocity.of(t), g.acceleration.of(t), sums);
   });
   m.walls->extend(m.backend, m.grid.new_velocity.data());

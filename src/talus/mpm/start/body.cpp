@@ -23,6 +23,31 @@ Vec<3> centre_of(const Filling& filling) {
   return (1 / whole) * centre;
 }
 
+/// The state that a law has at rest. A layer on a slope that is too steep for it starts with as much of its deviatoric
+/// stress as it can bear.
+template <class Law>
+auto state_at_rest(const Law& law, InitialState initial, const BodySpec& spec) {
+  auto state = law.at_rest(initial);
+  if (!std::holds_alternative<std::string>(state) || !std::holds_alternative<SurfaceLayer>(spec.region)) return state;
+  const SymTensor<double> stress = initial.stress;
+  const double mean = (stress[0] + stress[1] + stress[2]) / 3;
+  double least = 0, most = 1;  // shares of the deviatoric stress that it bears, and does not
+  for (int k = 0; k < 20; ++k) {
+    const double share = k == 0 ? 0 : 0.5 * (least + most);
+    for (int c = 0; c < 6; ++c) initial.stress[c] = c < 3 ? mean + share * (stress[c] - mean) : share * stress[c];
+    auto less = law.at_rest(initial);
+    if (!std::holds_alternative<std::string>(less)) {
+      state = std::move(less);
+      least = share;
+    } else if (k > 0) {
+      most = share;
+    } else {
+      break;  // not even the mean
+    }
+  }
+  return state;
+}
+
 /// Places, velocities, masses and states of the particles.
 template <int Dim, class Law>
 void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const BodySpec& spec, const Filling& filling,
@@ -33,7 +58,10 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
   for (int i = 0; i < p.size(); ++i) {
     const Vec<3> velocity = spec.velocity + cross(spec.angular_velocity, points[i] - centre);
     const auto state =
-        law.at_rest(initial_state(case_, spec, overburden.on(points[i], width_at_start(spec, volumes[i], Dim)).stress));
+        state_at_rest(law,
+                      initial_state(case_, spec, overburden.on(points[i], width_at_start(spec, volumes[i], Dim)).stress,
+                                    slope_under(spec, points[i])),
+                      spec);
     if (const auto* reason = std::get_if<std::string>(&state))
       throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);
     const auto& at_rest = std::get<typename Law::template State<double>>(state);

@@ -8,6 +8,7 @@
 #include <concepts>
 
 #include "talus/base/units.hpp"
+#include "talus/case/check.hpp"
 #include "talus/mpm/start/overburden.hpp"
 #include "talus/mpm/start/surface_load.hpp"
 
@@ -24,7 +25,9 @@ Box bounding_box_of(const Solid& solid, const Case& case_) {
   if (solid.hollow) return case_.domain;
   return std::visit(
       [&]<class Shape>(const Shape& s) -> Box {
-        if constexpr (std::same_as<Shape, HalfSpace>) {
+        if constexpr (std::same_as<Shape, Ground>) {
+          return case_.domain;
+        } else if constexpr (std::same_as<Shape, HalfSpace>) {
           double lowest = 0;  // of the domain's corners, seen from the plane
           for (int a = 0; a < case_.dim; ++a)
             lowest += s.normal[a] * ((s.normal[a] > 0 ? case_.domain.min[a] : case_.domain.max[a]) - s.point[a]);
@@ -158,7 +161,7 @@ void check_bodies_apart(const Case& case_, const std::vector<Start>& starts, std
 
 void check_solids_apart(const Case& case_, const std::vector<Start>& starts, std::vector<Mistake>& mistakes) {
   for (const Solid& solid : case_.solids) {
-    MistakesOf section(mistakes, {"solid", solid.name});
+    MistakesOf section(mistakes, section_of(solid));
     if (!may_come_in(solid, case_)) section.add("never comes into the domain");
     for (std::size_t b = 0; b < case_.bodies.size(); ++b)
       if (!solid.motion.rests() || overlap(bounding_box_of(solid, case_), starts[b].box, case_.dim))

@@ -14,6 +14,7 @@ int lattice_planes(const BodySpec& body, const Box& box, int axis) {
 
 double lattice_places(const Case& case_, const BodySpec& body) {
   if (const auto* list = std::get_if<PointList>(&body.region)) return double(list->places.size());
+  if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) return double(layer->thickness.values.size());
   const Box box = bounding_box(body.region, case_.dim);
   double n = 1;
   for (int a = 0; a < case_.dim; ++a) n *= std::max(1.0, (box.max[a] - box.min[a]) / body.spacing);
@@ -40,6 +41,10 @@ Filling fill(const Case& case_, const BodySpec& body) {
   };
   if (const auto* list = std::get_if<PointList>(&body.region)) {
     for (std::size_t i = 0; i < list->places.size(); ++i) add(list->places[i], list->volumes[i]);
+    return filling;
+  }
+  if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
+    for_each_point(*layer, [&](const Vec<3>& x, double volume) { add(x, volume); });
     return filling;
   }
   const Box box = bounding_box(body.region, case_.dim);

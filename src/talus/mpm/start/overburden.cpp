@@ -67,7 +67,14 @@ double Overburden::thickness(const PointList& list, const Columns& columns, cons
   return volume / std::pow(width, up);
 }
 
-InitialState initial_state(const Case& case_, const BodySpec& body, double load) {
+Vec<2> slope_under(const BodySpec& body, const Vec<3>& x) {
+  const auto* layer = std::get_if<SurfaceLayer>(&body.region);
+  if (!layer) return {};
+  const TerrainPlace place = layer->base->at(x[0], x[1]);
+  return {place.dx, place.dy};
+}
+
+InitialState initial_state(const Case& case_, const BodySpec& body, double load, const Vec<2>& slope) {
   InitialState initial;
   initial.void_ratio = body.void_ratio.value_or(0);
   if (body.initial_stress == InitialStress::given) initial.stress = body.given_stress;
@@ -81,7 +88,9 @@ InitialState initial_state(const Case& case_, const BodySpec& body, double load)
   for (int a = 0; a < up; ++a) {
     const int shear = case_.dim == 2 ? 3 : a == 0 ? 5 : 4;  // xy; zx and yz
     initial.stress[shear] = load * case_.gravity[a] / -case_.gravity[up];
+    if (up == 2) initial.stress[shear] -= horizontal * slope[a];
   }
+  initial.stress[up] -= horizontal * dot(slope, slope);
   return initial;
 }
 

@@ -52,9 +52,14 @@ class Overburden {
   std::vector<Layer> layers_;
 };
 
-/// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, the shear stress
-/// that holds a layer of even thickness.
-InitialState initial_state(const Case& case_, const BodySpec& body, double load);
+/// The slope of the ground under a place of a body that lies on it; 0 of other bodies.
+Vec<2> slope_under(const BodySpec& body, const Vec<3>& x);
+
+/// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, or on ground of
+/// some `slope`, the shear stress that holds a layer of even thickness. On a slope nothing changes along it, so that the
+/// stress on planes parallel to it is the weight above, s.n = -load n_z e_z; horizontal stress K0 times the load and this
+/// give the rest.
+InitialState initial_state(const Case& case_, const BodySpec& body, double load, const Vec<2>& slope = {});
 
 /// Speed of compression waves there [m/s]; or why nothing can rest there.
 std::variant<double, std::string> wave_speed_at_rest(const Case& case_, const BodySpec& body, double load);

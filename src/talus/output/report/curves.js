@@ -10,7 +10,8 @@
   // Beside an axis what rounding leaves of 0 is 0.
   const beside = (range) => (v, granularity, options, graph) => {
     const [low, high] = range(graph);
-    return Math.abs(v) < 1e-9 * (high - low) ? "0" : plain(v);
+    if (Math.abs(v) < 1e-9 * (high - low)) return "0";
+    return Math.abs(v) < 1e6 ? plain(v) : v.toExponential(3).replace(/\.?0*e\+/, "e");
   };
 
   window.talus_curves = charts.map((chart) => {

@@ -1,0 +1,50 @@
+#pragma once
+/// Pictures of maps: terrain in grey with contour lines, a quantity in colours, release and domain.
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "talus/geometry/terrain.hpp"
+#include "talus/output/contour_lines.hpp"
+
+namespace talus {
+
+/// A rectangle of the plane, in coordinates of the run [m].
+struct PlanBox {
+  Vec<2> low{}, high{};
+};
+
+/// A quantity in colours. Pixels without a number, or whose number is not above `hidden_to`, stay free.
+struct MapLayer {
+  PlanRaster values;
+  std::string words;  ///< beside the colours: "Peak flow thickness"
+  std::string unit;
+  std::optional<double> hidden_to = 0;
+};
+
+/// What a picture shows. All places are in coordinates of the run; axes are in those of the map.
+struct MapPicture {
+  std::string title;
+  const Terrain* ground = nullptr;  ///< required
+  MapFrame frame;
+  std::optional<MapLayer> layer;
+  std::vector<PlanLine> release;           ///< outlines, closed or not
+  std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
+  std::optional<PlanBox> domain;           ///< of the run
+  double cell = 0;                         ///< edge of the run's cells [m]; 0: not shown
+  std::vector<std::string> notes;          ///< short lines beside the map
+  /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain,
+  /// with a margin.
+  std::optional<PlanBox> view;
+};
+
+/// Draws NAME.png, 1400 pixels wide at most, with its script NAME.gp and its data NAME_*.bin and NAME_*.txt beside it.
+/// False if gnuplot is not installed; throws std::runtime_error if it fails or a file cannot be written.
+bool draw_map(const std::filesystem::path& png, const MapPicture& picture);
+
+/// A number with its digits in groups of three, as on maps: "1 234 500".
+std::string grouped(double value, int decimals = 0);
+
+}  // namespace talus

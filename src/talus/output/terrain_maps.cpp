@@ -1,0 +1,177 @@
+#include "talus/output/terrain_maps.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "talus/base/units.hpp"
+#include "talus/output/map_picture.hpp"
+#include "talus/output/raster_file.hpp"
+
+namespace talus {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A name without what separates the parts of a file's name.
+std::string plain(const std::string& name) {
+  std::string text;
+  for (const char c : name)
+    if (std::isalnum(static_cast<unsigned char>(c))) text += c;
+  return text.empty() ? "release" : text;
+}
+
+/// Numbers where there are some, and `none` of a run's maps as a number that none of them has.
+constexpr double no_number = -1;
+
+PlanRaster scaled(PlanRaster raster, double factor) {
+  for (double& value : raster.values) value *= factor;
+  return raster;
+}
+
+MapPicture picture_of(const Case& case_) {
+  MapPicture picture;
+  picture.title = case_.title;
+  picture.ground = case_.map->ground.get();
+  picture.frame = case_.map->frame;
+  picture.release_mask = release_of(case_);
+  picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
+  picture.cell = case_.cell;
+  return picture;
+}
+
+}  // namespace
+
+PlanRaster pixels_of_maps(const Case& case_) {
+  const PlanRaster& heights = case_.map->ground->heights();
+  const double pixel = *case_.output.maps.pixel;
+  const Vec<2> far = heights.far_corner();
+  return PlanRaster::of(heights.corner, pixel, int(std::ceil((far[0] - heights.corner[0]) / pixel - 1e-9)),
+                        int(std::ceil((far[1] - heights.corner[1]) / pixel - 1e-9)));
+}
+
+PlanRaster release_of(const Case& case_) {
+  PlanRaster release = pixels_of_maps(case_);
+  std::ranges::fill(release.values, 0.0);
+  const double area = release.pixel * release.pixel;
+  for (const BodySpec& body : case_.bodies)
+    if (const auto* layer = std::get_if<SurfaceLayer>(&body.region))
+      for_each_point(*layer, [&](const Vec<3>& x, double volume) {
+        const int column = release.column_of(x[0]), row = release.row_of(x[1]);
+        if (release.has_pixel(column, row)) release.at(column, row) += volume / area;
+      });
+  return release;
+}
+
+TerrainMaps::TerrainMaps(fs::path folder, const Case& case_, const std::string& case_text,
+                         std::span<const double> so_far)
+    : folder_(std::move(folder)), case_(case_) {
+  if (!case_.map) return;
+  const auto number =
+      ::crc32_z(0, reinterpret_cast<const unsigned char*>(case_text.data()), case_text.size());  // NOLINT: zlib's type
+  name_ = fmt::format("{}_{:08x}_null_talus", plain(case_.bodies.front().name), number);
+  std::vector<double> state(so_far.begin(), so_far.end());
+  std::ranges::replace(state, no_number, PlanRaster::none);
+  maps_.emplace(*case_.map->ground, pixels_of_maps(case_), *case_.output.maps.interval,
+                *case_.output.maps.least_thickness, state);
+  fs::create_directories(folder_);
+}
+
+std::vector<double> TerrainMaps::state() const {
+  if (!maps_) return {};
+  std::vector<double> state = maps_->state();
+  std::ranges::replace_if(
+      state, [](double x) { return std::isnan(x); }, no_number);
+  return state;
+}
+
+void TerrainMaps::write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
+                                  const std::string& meaning) const {
+  const bool tiff = case_.map->geotiff;
+  write_raster(folder_ / fmt::format("{}_{}.{}", name_, what, tiff ? "tif" : "asc"), raster, case_.map->frame,
+               tiff ? RasterFormat::geotiff : RasterFormat::asc, unit, meaning);
+}
+
+void TerrainMaps::write_instant(double time, const FlowPoints& points) {
+  if (!maps_) return;
+  const FlowMap map = maps_->now(points);
+  const std::string at = fmt::format("t{:07.1f}", time);
+  write_raster_of("thickness_" + at, map.thickness, "m", "Thickness normal to the ground");
+  write_raster_of("speed_" + at, map.speed, "m/s", "Speed");
+}
+
+Runout TerrainMaps::runout(const FlowMap& end) const {
+  Runout out;
+  const PlanRaster &peak = maps_->peak_speed(), release = release_of(case_);
+  const double area = peak.pixel * peak.pixel;
+  Vec<2> top{};
+  double top_height = -INFINITY;
+  for (int row = 0; row < peak.rows; ++row)
+    for (int column = 0; column < peak.columns; ++column) {
+      out.released += release.at(column, row) * area;
+      out.deposited += end.vertical_thickness.at(column, row) * area;
+      out.thickness = std::max(out.thickness, maps_->peak_thickness().at(column, row));
+      const Vec<2> at = peak.middle(column, row);
+      const double height = case_.map->ground->at(at[0], at[1]).height;
+      if (release.at(column, row) > 0 && height > top_height) {
+        top = at;
+        top_height = height;
+      }
+    }
+  for (int row = 0; row < peak.rows; ++row)
+    for (int column = 0; column < peak.columns; ++column) {
+      if (!peak.has(column, row)) continue;
+      out.area += area;
+      out.speed = std::max(out.speed, peak.at(column, row));
+      const Vec<2> at = peak.middle(column, row), way = at - top;
+      if (const double length = std::sqrt(dot(way, way)); length > out.length) {
+        out.length = length;
+        out.drop = top_height - case_.map->ground->at(at[0], at[1]).height;
+        out.farthest = at + case_.map->frame.origin;
+      }
+    }
+  return out;
+}
+
+MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
+  MapsAtEnd result;
+  if (!maps_) return result;
+  const FlowMap end = maps_->now(points);
+  const double least = *case_.output.maps.least_thickness;
+  struct Map {
+    const char *what, *words, *unit;
+    PlanRaster values;
+    std::optional<double> hidden_to;
+  };
+  const Map all[] = {{"pft", "Peak flow thickness", "m", maps_->peak_thickness(), least},
+                     {"pfv", "Peak flow speed", "m/s", maps_->peak_speed(), 0},
+                     {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0},
+                     {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
+                     {"deposit", "Thickness at the end", "m", end.thickness, least}};
+  for (const Map& map : all) {
+    write_raster_of(map.what, map.values, map.unit, map.words);
+    MapPicture picture = picture_of(case_);
+    picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to};
+    picture.notes = {fmt::format("until {:.1f} s", time)};
+    const fs::path png = folder_ / fmt::format("{}.png", map.what);
+    if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});
+  }
+  result.runout = runout(end);
+  return result;
+}
+
+bool draw_case_map(const fs::path& png, const Case& case_) {
+  MapPicture picture = picture_of(case_);
+  double volume = 0;
+  for (const BodySpec& body : case_.bodies)
+    if (std::holds_alternative<SurfaceLayer>(body.region)) volume += talus::volume(body.region, 3);
+  picture.notes = {fmt::format("released: {} m3", grouped(volume))};
+  picture.view = picture.domain;
+  return draw_map(png, picture);
+}
+
+}  // namespace talus

@@ -1,0 +1,75 @@
+#pragma once
+/// The maps that a run on terrain leaves: rasters for geographic information systems, and pictures of them.
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "talus/case/case.hpp"
+#include "talus/output/flow_maps.hpp"
+#include "talus/output/picture.hpp"
+
+namespace talus {
+
+/// The pixels of a case's maps, without numbers.
+PlanRaster pixels_of_maps(const Case& case_);
+
+/// What is released onto the ground of a case: upright thickness on the pixels of its maps [m].
+PlanRaster release_of(const Case& case_);
+
+/// What the maps of a run say in numbers.
+struct Runout {
+  double released = 0, deposited = 0;  ///< volume [m3]; what is spray counts by the loosest packing there may be
+  double area = 0;                     ///< in plan, where flow has been [m2]
+  double drop = 0, length = 0;  ///< from the highest place of the release to the farthest that flow has reached [m]
+  Vec<2> farthest{};            ///< that place, on the map [m]
+  double thickness = 0;         ///< largest of all [m], normal to the ground
+  double speed = 0;             ///< largest of all [m/s]
+};
+
+/// Maps and their numbers at the end of a run.
+struct MapsAtEnd {
+  std::vector<Picture> pictures;  ///< none without gnuplot
+  Runout runout;
+};
+
+/// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
+/// body, a number made of the case, and pft (peak flow thickness, m), pfv (peak flow velocity, m/s), ppr (peak pressure,
+/// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
+class TerrainMaps {
+ public:
+  /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` what `state` gave before
+  /// the run was stopped.
+  TerrainMaps(std::filesystem::path folder, const Case& case_, const std::string& case_text,
+              std::span<const double> so_far = {});
+
+  /// Whether an instant counts for peaks, or is the first after one.
+  bool due(double time) const { return maps_ && maps_->due(time); }
+  void add(double time, const FlowPoints& points) { maps_->add(time, points); }
+  /// Everything that decides what is to come; finite numbers.
+  std::vector<double> state() const;
+
+  /// Thickness and speed at an instant as rasters.
+  void write_instant(double time, const FlowPoints& points);
+  /// Peaks, arrival and deposit as rasters and pictures, at the end of a run.
+  MapsAtEnd write(double time, const FlowPoints& points);
+
+  bool any() const { return maps_.has_value(); }
+
+ private:
+  Runout runout(const FlowMap& end) const;
+  void write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
+                       const std::string& meaning) const;
+
+  std::filesystem::path folder_;
+  const Case& case_;
+  std::string name_;  ///< of the files, without what they show
+  std::optional<FlowMaps> maps_;
+};
+
+/// Draws the terrain of a case with what is released, and the domain. Returns whether there is gnuplot to do it.
+bool draw_case_map(const std::filesystem::path& png, const Case& case_);
+
+}  // namespace talus

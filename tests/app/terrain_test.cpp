@@ -1,0 +1,56 @@
+/// The landslide that ships, from the map to the maps.
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+
+#include "app/program.hpp"
+#include "folder_of_its_own.hpp"
+
+namespace terrain_test {
+
+namespace fs = std::filesystem;
+using program::contents, program::Finished, program::has, program::talus;
+
+class ALandslide : public ::talus::FolderOfItsOwn {
+ protected:
+  Finished run(const std::string& out, const std::string& more) const {
+    return talus("run " TALUS_SOURCE_DIR "/cases/landslide.toml --out " + (folder_ / out).string() + " " + more);
+  }
+  nlohmann::json record(const std::string& out) const {
+    return nlohmann::json::parse(contents(folder_ / out / "record.json"));
+  }
+};
+
+TEST_F(ALandslide, LeavesMapsThatHoldAllOfItsVolume) {
+  const Finished done = run("out", "--until \"3 s\"");
+  ASSERT_EQ(done.code, 0) << done.output;
+  const auto maps = record("out").at("maps");
+  const double released = maps.at("released_cubic_metre");
+  EXPECT_GT(released, 30000);
+  // The flow may loosen; what has been thrown up counts as loose, not as large.
+  EXPECT_NEAR(maps.at("deposited_cubic_metre").get<double>() / released, 1, 0.05);
+  const double drop = maps.at("drop_metre"), speed = maps.at("peak_speed_metre_per_second");
+  EXPECT_GT(drop, 20);
+  EXPECT_LT(speed, std::sqrt(2 * 9.81 * 150));  // of a free fall by the slope's height
+  int n = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "out" / "maps")) n += entry.path().extension() == ".asc";
+  EXPECT_EQ(n, 7);  // five of the whole run, thickness and speed at the one instant of a picture
+  EXPECT_TRUE(has(contents(folder_ / "out" / "report.html"), "area where flow has been"));
+}
+
+TEST_F(ALandslide, StoppedAndResumedHasTheSameMaps) {
+  ASSERT_EQ(run("whole", "--until \"2 s\"").code, 0);
+  ASSERT_EQ(run("parts", "--until \"1 s\"").code, 0);
+  ASSERT_EQ(run("parts", "--until \"2 s\" --resume --threads 1").code, 0);
+  int n = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "whole" / "maps"))
+    if (entry.path().extension() == ".asc") {
+      EXPECT_EQ(contents(entry.path()), contents(folder_ / "parts" / "maps" / entry.path().filename())) << entry;
+      ++n;
+    }
+  EXPECT_EQ(n, 7);
+}
+
+}  // namespace terrain_test

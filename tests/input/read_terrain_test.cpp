@@ -1,0 +1,503 @@
+/// Cases on a map: what is understood from rasters and polygons, and what is refused.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "folder_of_its_own.hpp"
+#include "talus/input/read.hpp"
+
+namespace talus::read_terrain_test {
+
+namespace fs = std::filesystem;
+
+constexpr double east = 600000, north = 5200000;
+
+/// A raster of the map with its south-west corner at (east + x, north + y).
+struct Pixels {
+  int columns = 20, rows = 16;
+  double edge = 5, x = 0, y = 0;
+};
+
+class TerrainCase : public FolderOfItsOwn {
+ protected:
+  /// The ground falls by 3 m over 4 m towards the east: the cosine of its slope is 0.8.
+  static double ground(double x, double) { return 500 - 0.75 * x; }
+
+  void SetUp() override {
+    FolderOfItsOwn::SetUp();
+    write_raster("dem.asc", ground);
+    write_polygons("release.geojson", {{square(20, 20, 40, 50), R"({"thickness": 4})"}});
+  }
+
+  void write(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+  /// Of f(x, y), counted from (east, north), in the middles of the pixels.
+  void write_raster(const std::string& name, const std::function<double(double, double)>& f, Pixels p = {},
+                    const std::string& header = "") const {
+    std::string text =
+        fmt::format("ncols {}\nnrows {}\nxllcorner {}\nyllcorner {}\ncellsize {}\nNODATA_value -9999\n{}", p.columns,
+                    p.rows, east + p.x, north + p.y, p.edge, header);
+    for (int row = p.rows - 1; row >= 0; --row)
+      for (int column = 0; column < p.columns; ++column)
+        text += fmt::format("{:.10g}{}", f(p.x + (column + 0.5) * p.edge, p.y + (row + 0.5) * p.edge),
+                            column + 1 < p.columns ? ' ' : '\n');
+    write(name, text);
+  }
+
+  static std::string ring(const std::vector<Vec<2>>& corners) {
+    std::string text;
+    for (std::size_t i = 0; i <= corners.size(); ++i) {
+      const Vec<2>& c = corners[i % corners.size()];
+      text += fmt::format("{}[{:.10g}, {:.10g}]", i ? ", " : "", east + c[0], north + c[1]);
+    }
+    return "[" + text + "]";
+  }
+  static std::string square(double x0, double y0, double x1, double y1) {
+    return ring({{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}});
+  }
+  struct Feature {
+    std::string rings, attributes = "{}";
+  };
+  void write_polygons(const std::string& name, const std::vector<Feature>& features, int epsg = 25832) const {
+    std::string text;
+    for (const Feature& f : features)
+      text += fmt::format(
+          R"({}{{"type": "Feature", "properties": {}, "geometry": {{"type": "Polygon", "coordinates": [{}]}}}})",
+          text.empty() ? "" : ",\n", f.attributes, f.rings);
+    write(name, fmt::format(R"({{"type": "FeatureCollection", "crs": {{"type": "name", "properties": )"
+                            R"({{"name": "urn:ogc:def:crs:EPSG::{}"}}}}, "features": [{}]}})",
+                            epsg, text));
+  }
+
+  static constexpr const char* drawn = R"(polygons = "release.geojson", thickness = "4 m", measured = "vertical")";
+
+  /// The case with a release, and with further lines of [terrain].
+  static std::string text_of(const std::string& release = drawn, const std::string& of_terrain = "",
+                             const std::string& contact = R"({ kind = "friction", friction = 0.4 })") {
+    return fmt::format(R"toml(title = "A slope"
+[domain]
+kind = "3d"
+cell = "5 m"
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+[terrain]
+raster = "dem.asc"
+unit = "m"
+contact = {}
+{}
+[material.debris]
+law = "mohr_coulomb"
+E = "10 MPa"
+nu = 0.3
+c = "0 Pa"
+phi = "30 deg"
+psi = "0 deg"
+density = "1900 kg/m3"
+[body.slide]
+material = "debris"
+release = {{ {} }}
+spacing = "2.5 m"
+initial_stress = "zero"
+[run]
+end = "10 s"
+)toml",
+                       contact, of_terrain, release);
+  }
+  static std::string replaced(std::string text, const std::string& what, const std::string& with) {
+    EXPECT_NE(text.find(what), std::string::npos) << what;
+    return text.replace(text.find(what), what.size(), with);
+  }
+
+  CaseFile read(const std::string& text) const {
+    try {
+      return read_case_text("case.toml", text, folder_.string());
+    } catch (const InputError& e) {
+      ADD_FAILURE() << e.what();
+      return {};
+    }
+  }
+  double volume_of(const std::string& release) const {
+    const Case c = read(text_of(release)).case_;
+    return c.bodies.empty() ? 0 : volume(c.bodies[0].region, 3);
+  }
+
+  /// Expects a complaint at a line of the text that begins with a key or section.
+  void expect_refused(const std::string& text, const std::string& about, const std::string& words) const {
+    try {
+      read_case_text("case.toml", text, folder_.string());
+      ADD_FAILURE() << "was accepted; expected: " << about << " ... " << words;
+    } catch (const InputError& e) {
+      bool found = false;
+      for (const Complaint& c : e.complaints()) {
+        EXPECT_EQ(c.file, "case.toml");
+        EXPECT_GT(c.line, 0);
+        EXPECT_EQ(c.text.find('\n'), std::string::npos) << c.text;
+        found = found || (c.text.starts_with(about) && c.text.find(words) != std::string::npos);
+      }
+      EXPECT_TRUE(found) << "expected: " << about << " ... " << words << "\nsaid:     " << e.what();
+      EXPECT_LE(e.complaints().size(), 2u) << "one mistake, and many complaints:\n" << e.what();
+    }
+  }
+  void expect_release_refused(const std::string& release, const std::string& words,
+                              const std::string& about = "[body.slide.release]") const {
+    expect_refused(text_of(release), about, words);
+  }
+};
+
+double ground_height(const Case& c, double x, double y) { return c.map->ground->at(x, y).height; }
+const SurfaceLayer& layer_of(const Case& c) { return std::get<SurfaceLayer>(c.bodies.at(0).region); }
+
+/// What `talus check` shows of a key.
+std::string shown(const CaseFile& file, const std::string& path) {
+  for (const Understood& u : file.understood)
+    if (u.path == path) return u.value;
+  return "nothing";
+}
+
+// ---- the terrain -------------------------------------------------------------------------------------------------
+
+TEST_F(TerrainCase, CountsCoordinatesFromTheCornerOfTheMap) {
+  const CaseFile file = read(text_of());
+  const Case& c = file.case_;
+  ASSERT_TRUE(c.map);
+  EXPECT_EQ(c.map->frame.origin, (Vec<2>{east, north}));
+  EXPECT_FALSE(c.map->geotiff);
+  // Heights lie between 500 - 0.75 x 97.5 and 500 - 0.75 x 2.5, in the middles of pixels.
+  EXPECT_DOUBLE_EQ(c.map->ground->lowest(), 426.875);
+  EXPECT_DOUBLE_EQ(c.map->ground->highest(), 498.125);
+  EXPECT_EQ(c.domain.min, (Vec<3>{0, 0, 426.875 - 4 * 5}));
+  EXPECT_DOUBLE_EQ(c.domain.max[0], 100);
+  EXPECT_DOUBLE_EQ(c.domain.max[1], 80);
+  EXPECT_GT(c.domain.max[2], 498.125 + 100);
+  EXPECT_EQ(shown(file, "terrain.origin"), "(600000.00, 5200000.00) m");
+}
+
+TEST_F(TerrainCase, HasTheGroundAsASolidAndLetsOutWhatReachesTheEdge) {
+  const Case c = read(text_of()).case_;
+  ASSERT_EQ(c.solids.size(), 1u);
+  EXPECT_EQ(c.solids[0].name, "terrain");
+  EXPECT_EQ(c.solids[0].contact.kind, WallKind::friction);
+  EXPECT_DOUBLE_EQ(c.solids[0].contact.friction, 0.4);
+  EXPECT_TRUE(c.solids[0].contact.separates);
+  for (const Wall& wall : c.walls) EXPECT_EQ(wall.kind, WallKind::outflow);
+}
+
+TEST_F(TerrainCase, TakesEverySurface) {
+  const auto contact = [&](const std::string& given) {
+    return read(text_of(drawn, "", given)).case_.solids.at(0).contact;
+  };
+  EXPECT_EQ(contact(R"("slip")").kind, WallKind::slip);
+  EXPECT_EQ(contact(R"("no_slip")").kind, WallKind::no_slip);
+  const Wall voellmy = contact(R"({ kind = "voellmy", friction = 0.2, xi = "1500 m/s2" })");
+  EXPECT_EQ(voellmy.kind, WallKind::friction);
+  EXPECT_DOUBLE_EQ(voellmy.friction, 0.2);
+  EXPECT_DOUBLE_EQ(voellmy.xi, 1500);
+}
+
+TEST_F(TerrainCase, CountsFromTheCornerOfTheCropIfThereIsOne) {
+  const Case whole = read(text_of()).case_;
+  const CaseFile file =
+      read(text_of(drawn, R"(crop = { min = ["600010 m", "5200012 m"], max = ["600060 m", "5200060 m"] })"));
+  const Case& c = file.case_;
+  // The whole pixels that the box meets: x from 10 to 60, y from 10 to 60.
+  EXPECT_EQ(c.map->frame.origin, (Vec<2>{east + 10, north + 10}));
+  EXPECT_DOUBLE_EQ(c.domain.max[0], 50);
+  EXPECT_DOUBLE_EQ(c.domain.max[1], 50);
+  EXPECT_DOUBLE_EQ(c.map->ground->highest(), 500 - 0.75 * 12.5);
+  // The release stays where it is on the map.
+  EXPECT_DOUBLE_EQ(layer_of(c).thickness.corner[0] + 10, layer_of(whole).thickness.corner[0]);
+  EXPECT_DOUBLE_EQ(volume(c.bodies[0].region, 3), volume(whole.bodies[0].region, 3));
+}
+
+TEST_F(TerrainCase, HasZonesOfWhichTheLastCounts) {
+  write_polygons("west.geojson", {{square(0, 0, 50, 80)}});
+  write_polygons("south.geojson", {{square(0, 0, 100, 42)}});  // 42 m: less than half of the pixels from 40 to 45 m
+  const Case c = read(text_of(drawn, R"toml([terrain.zone.west]
+polygons = "west.geojson"
+contact = "slip"
+[terrain.zone.south]
+polygons = "south.geojson"
+contact = { kind = "friction", friction = 0.7 })toml"))
+                     .case_;
+  const Solid& ground = c.solids.at(0);
+  ASSERT_EQ(ground.zones.surfaces.size(), 2u);
+  const auto at = [&](double x, double y) { return ground.contact_at({x, y, ground_height(c, x, y)}); };
+  EXPECT_EQ(at(22, 62).kind, WallKind::slip);
+  EXPECT_DOUBLE_EQ(at(22, 22).friction, 0.7);
+  EXPECT_DOUBLE_EQ(at(82, 22).friction, 0.7);
+  EXPECT_DOUBLE_EQ(at(82, 62).friction, 0.4);
+  EXPECT_DOUBLE_EQ(at(82, 41).friction, 0.4);
+}
+
+TEST_F(TerrainCase, ConvertsHeightsFromTheUnitThatIsStated) {
+  write_raster("dem.asc", [](double x, double y) { return ground(x, y) / 0.3048; });
+  const Case c = read(replaced(text_of(), "unit = \"m\"", "unit = \"ft\"")).case_;
+  EXPECT_NEAR(c.map->ground->lowest(), 426.875, 1e-6);
+}
+
+TEST_F(TerrainCase, TakesItsProjectionFromWhicheverStatesIt) {
+  EXPECT_NE(shown(read(text_of()), "terrain.projection").find("none stated"), std::string::npos);
+  EXPECT_NE(shown(read(text_of()), "body.slide.release.projection").find("EPSG:25832"), std::string::npos);
+  EXPECT_FALSE(read(text_of()).case_.map->frame.projection.empty());
+  const CaseFile stated = read(text_of(drawn, R"(projection = "EPSG:25832")"));
+  EXPECT_NE(shown(stated, "terrain.projection").find("EPSG:25832"), std::string::npos);
+  expect_refused(text_of(drawn, R"(projection = "EPSG:31254")"),
+                 "body.slide.release.polygons = \"release.geojson\" is in", "bring all files into one projection");
+  expect_refused(text_of(drawn, R"(projection = "EPSG:4326")"), "terrain.projection", "not in metres");
+  expect_refused(text_of(drawn, R"(projection = "UTM")"), "terrain.projection = \"UTM\" cannot be used", "");
+}
+
+TEST_F(TerrainCase, IsRefusedWhereItsRasterIsWrong) {
+  const auto expect = [&](const std::string& text, const std::string& words) {
+    expect_refused(text, "terrain.raster", words);
+  };
+  expect(replaced(text_of(), "dem.asc", "nope.asc"), "no such file");
+  write_raster("dem.asc", ground, {}, "byteorder LSBFIRST\n");  // seven lines, as some programs write
+  EXPECT_DOUBLE_EQ(read(text_of()).case_.map->ground->lowest(), 426.875);
+  write_raster("dem.asc", ground, {}, "500 501\n");
+  expect(text_of(), "more values than the 20 x 16 = 320 that its header states");
+  write("dem.asc", "ncols 3\nnrows 3\nxllcorner 0\ncellsize 5\n1 2 3 4 5 6 7 8 9\n");
+  expect(text_of(), "has no `yllcorner` in its header");
+  write_raster("dem.asc", [](double, double) { return -9999; });
+  expect(text_of(), "every pixel is without data");
+  write_raster("dem.asc", [](double x, double y) { return x > 90 && y > 70 ? 32767 : ground(x, y); });
+  expect(text_of(), "which is no height");
+  write_raster("dem.asc", ground, {.columns = 3});
+  expect(text_of(), "has 3 x 16 pixels here, and at least 4 x 4 are needed");
+  write_raster("dem.asc", ground);
+  write("dem.prj", R"(GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]])");
+  expect(text_of(), "states degrees");
+  write_raster("dem.asc", ground, {.edge = 1e-4, .x = 11 - east, .y = 47 - north});
+  expect(text_of(), "in degrees");
+  fs::remove(folder_ / "dem.prj");  // degrees that nobody states
+  write_raster("dem.asc", [](double, double) { return 500; }, {.edge = 1e-4, .x = 11 - east, .y = 47 - north});
+  expect(text_of(), "is 0.002 m x 0.0016 m large, less than a cell (5 m); are its coordinates in degrees?");
+  write("dem.prj", R"(PROJCS["feet",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
+                   R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
+                   R"(PARAMETER["central_meridian",9],UNIT["US survey foot",0.304800609601219]])");
+  expect(text_of(), "not in metres");
+}
+
+TEST_F(TerrainCase, IsRefusedWhereItsKeysAreWrong) {
+  expect_refused(replaced(text_of(), "unit = \"m\"\n", ""), "[terrain]", "`unit` is missing");
+  for (const char* unit : {"deg", "parrot", "0 m", "-1 m", "kPa"})
+    expect_refused(replaced(text_of(), "unit = \"m\"\n", fmt::format("unit = \"{}\"\n", unit)),
+                   fmt::format("terrain.unit = \"{}\" is no unit of length", unit), "write \"m\"");
+  expect_refused(replaced(text_of(), "contact =", "contakt ="), "[terrain] `contact` is missing", "");
+  expect_refused(text_of(drawn, "rastr = \"dem.asc\""), "terrain.rastr is no key of [terrain]",
+                 "did you mean `raster`");
+  expect_refused(text_of(drawn, R"(crop = { min = ["600060 m", "5200060 m"], max = ["600010 m", "5200012 m"] })"),
+                 "terrain.crop.max", "must lie north and east of `min`");
+  expect_refused(text_of(drawn, R"(crop = { min = ["10 m", "10 m"], max = ["60 m", "60 m"] })"), "terrain.crop",
+                 "holds no pixel of a raster that reaches from (600000, 5200000) to (600100, 5200080)");
+  expect_refused(text_of(drawn, "", R"("voellmy")"), "terrain.contact = \"voellmy\" lacks its coefficients", "xi");
+  expect_refused(text_of(drawn, "", R"({ kind = "friction", friction = 0.2, xi = "500 m/s2" })"), "terrain.contact.xi",
+                 "goes with kind `voellmy` only");
+  expect_refused(text_of(drawn, "", R"({ kind = "voellmy", friction = 0.2 })"), "[terrain.contact]", "`xi` is missing");
+}
+
+TEST_F(TerrainCase, IsRefusedWithoutThreeDimensions) {
+  std::string text = replaced(text_of(), "\"3d\"", "\"plane_strain\"");
+  text = replaced(text, R"(["0 m/s2", "0 m/s2", "-9.81 m/s2"])", R"(["0 m/s2", "-9.81 m/s2"])");
+  expect_refused(text, "[terrain] needs [domain] kind = \"3d\"", "");
+}
+
+TEST_F(TerrainCase, IsRefusedWithZonesThatAreWrong) {
+  write_polygons("far.geojson", {{square(500, 0, 600, 80)}});
+  const auto zone = [&](const std::string& lines) { return text_of(drawn, "[terrain.zone.wood]\n" + lines); };
+  expect_refused(zone("polygons = \"far.geojson\"\ncontact = \"slip\""), "terrain.zone.wood.polygons",
+                 "covers no pixel of the terrain");
+  expect_refused(zone("polygons = \"release.geojson\""), "[terrain.zone.wood] `contact` is missing", "");
+  expect_refused(zone("contact = \"slip\""), "[terrain.zone.wood] `polygons` is missing", "");
+  expect_refused(zone("polygon = \"far.geojson\"\npolygons = \"release.geojson\"\ncontact = \"slip\""),
+                 "terrain.zone.wood.polygon is no key of a zone", "did you mean `polygons`");
+  // A raster that cannot be read is no reason to complain about zones.
+  expect_refused(replaced(zone("polygons = \"release.geojson\"\ncontact = \"slip\""), "dem.asc", "nope.asc"),
+                 "terrain.raster", "no such file");
+}
+
+// ---- releases ----------------------------------------------------------------------------------------------------
+
+TEST_F(TerrainCase, ReleasesAnEvenThicknessInPolygons) {
+  // 20 m x 30 m in plan, 4 m thick; across the ground upright thickness is 4 m/0.8.
+  EXPECT_NEAR(volume_of(drawn), 600 * 4, 1e-6);
+  EXPECT_NEAR(volume_of(R"(polygons = "release.geojson", thickness = "4 m", measured = "normal")"), 600 * 5, 1e-6);
+  const CaseFile file = read(text_of(R"(polygons = "release.geojson", thickness = "4 m", measured = "normal")"));
+  EXPECT_EQ(shown(file, "body.slide.release.volume"), "3000 m3");
+  EXPECT_EQ(shown(file, "body.slide.release.area"), "600 m2");
+  EXPECT_EQ(shown(file, "body.slide.release.mean_thickness"), "5 m vertical, 4 m normal to the ground");
+}
+
+TEST_F(TerrainCase, ReleasesNoMaterialInHoles) {
+  write_polygons("release.geojson", {{square(20, 20, 40, 50) + ", " + square(25, 25, 31, 32)}});
+  const CaseFile file = read(text_of());
+  EXPECT_NEAR(volume(file.case_.bodies[0].region, 3), (600 - 42) * 4, 1e-6);
+  EXPECT_EQ(shown(file, "body.slide.release.area"), "558 m2");
+}
+
+TEST_F(TerrainCase, ReleasesWhatAnAttributeSaysOfEachPolygon) {
+  write_polygons("release.geojson",
+                 {{square(20, 20, 40, 50), R"({"d0": 4})"}, {square(40, 20, 50, 50), R"({"d0": "6"})"}});
+  const std::string attribute = R"(polygons = "release.geojson", attribute = "d0", measured = "vertical")";
+  EXPECT_NEAR(volume_of(attribute + ", unit = \"m\""), 600 * 4 + 300 * 6, 1e-6);
+  EXPECT_NEAR(volume_of(attribute + ", unit = \"ft\""), (600 * 4 + 300 * 6) * 0.3048, 1e-6);
+}
+
+TEST_F(TerrainCase, ReleasesTheThicknessOfARasterOnPixelsOfItsOwn) {
+  // 3 m on 7 m x 14 m of pixels that are no multiple of the spacing.
+  write_raster("thickness.asc", [](double, double) { return 3; },
+               {.columns = 1, .rows = 2, .edge = 7, .x = 31, .y = 32});
+  const std::string raster = R"(raster = "thickness.asc", unit = "m", measured = )";
+  EXPECT_NEAR(volume_of(raster + "\"vertical\""), 98 * 3, 1e-6);
+  EXPECT_NEAR(volume_of(raster + "\"normal\""), 98 * 3 / 0.8, 1e-6);
+  EXPECT_EQ(shown(read(text_of(raster + "\"vertical\"")), "body.slide.release.area"), "98 m2");
+}
+
+TEST_F(TerrainCase, ReleasesOnlyWhatOfARasterLiesInPolygons) {
+  write_raster("thickness.asc", [](double, double y) { return y < 15 ? -9999 : 3; });
+  EXPECT_NEAR(volume_of(R"(raster = "thickness.asc", polygons = "release.geojson", unit = "m", measured = "vertical")"),
+              600 * 3, 1e-6);
+}
+
+TEST_F(TerrainCase, ReleasesWhatLiesBelowASurface) {
+  const auto top = [](double x, double y) {
+    return ground(x, y) + (20 < x && x < 40 && 20 < y && y < 50 ? 4 : 0) + (x > 60 ? 1 : 0);
+  };
+  write_raster("top.asc", top);
+  EXPECT_NEAR(volume_of(R"(top = "top.asc", unit = "m")"), 600 * 4 + 40 * 80 * 1, 1e-6);
+  EXPECT_NEAR(volume_of(R"(top = "top.asc", polygons = "release.geojson", unit = "m")"), 600 * 4, 1e-6);
+}
+
+TEST_F(TerrainCase, HasParticlesOnTheGroundThatTogetherHaveTheVolume) {
+  const Case c = read(text_of()).case_;
+  double sum = 0;
+  for_each_point(layer_of(c), [&](const Vec<3>& x, double v) {
+    sum += v;
+    const double above = x[2] - ground_height(c, x[0], x[1]);
+    EXPECT_GT(above, 0);
+    EXPECT_LT(above, 4);
+    EXPECT_GT(x[0], 20);
+    EXPECT_LT(x[0], 40);
+  });
+  EXPECT_NEAR(sum, 2400, 1e-6);
+}
+
+TEST_F(TerrainCase, RefusesThicknessThatIsNone) {
+  for (const char* t : {"-1 m", "0 m", "1e9 m"})
+    expect_release_refused(fmt::format(R"(polygons = "release.geojson", thickness = "{}", measured = "vertical")", t),
+                           "must be greater than 0 m and at most 2000 m", "body.slide.release.thickness");
+  expect_release_refused(R"(polygons = "release.geojson", thickness = 4, measured = "vertical")", "lacks its unit",
+                         "body.slide.release.thickness");
+  const std::string attribute =
+      R"(polygons = "release.geojson", attribute = "thickness", unit = "m", measured = "normal")";
+  for (const char* t : {"-1", "0", "1e9"}) {
+    write_polygons("release.geojson", {{square(10, 20, 20, 50), R"({"thickness": 4})"},
+                                       {square(20, 20, 40, 50), fmt::format(R"({{"thickness": {}}})", t)}});
+    expect_release_refused(attribute, "of polygon 2 of 2; thickness must be greater than 0 m and at most 2000 m",
+                           "body.slide.release.attribute = \"thickness\" is");
+  }
+  write_polygons("release.geojson", {{square(20, 20, 40, 50), R"({"thickness": "thick"})"}});
+  expect_release_refused(attribute, "which is no number", "body.slide.release.polygons");
+  expect_release_refused(replaced(attribute, "\"thickness\"", "\"thicknes\""), "did you mean `thickness`",
+                         "body.slide.release.polygons");
+  for (double t : {-1.0, 1e9}) {
+    write_raster("thickness.asc", [&](double x, double y) { return x > 60 && y > 60 && x < 65 && y < 65 ? t : 1; });
+    expect_release_refused(R"(raster = "thickness.asc", unit = "m", measured = "normal")",
+                           "at (600063, 5200063); it must be between 0 m and 2000 m", "body.slide.release.raster");
+  }
+  write_raster("thickness.asc", [](double, double) { return 0; });
+  expect_release_refused(R"(raster = "thickness.asc", unit = "m", measured = "normal")", "has no volume");
+}
+
+TEST_F(TerrainCase, RefusesATopBelowTheTerrain) {
+  write_raster("top.asc", [](double x, double y) { return ground(x, y) - (x > 60 ? 2 : 0); });
+  expect_release_refused(R"(top = "top.asc", unit = "m")", "lies 2 m below the terrain at (600063, 5200003)",
+                         "body.slide.release.top");
+  expect_release_refused(R"(top = "top.asc", unit = "m", measured = "vertical")", "goes with `thickness`, `attribute`",
+                         "body.slide.release.measured");
+}
+
+TEST_F(TerrainCase, RefusesReleasesBesideTheTerrain) {
+  write_polygons("release.geojson", {{square(90, 20, 120, 50)}});
+  expect_release_refused(drawn,
+                         "lies outside the terrain at (600101, 5200021); the terrain reaches from (600000, 5200000) to "
+                         "(600100, 5200080)");
+  write_raster("dem.asc", [](double x, double y) { return x < 25 && y < 25 ? -9999 : ground(x, y); });
+  write_polygons("release.geojson", {{square(20, 20, 40, 50)}});
+  expect_release_refused(drawn, "lies where the terrain has no data, at (600021, 5200021)");
+}
+
+TEST_F(TerrainCase, RefusesRastersWithoutNumbersInTheRelease) {
+  write_raster("thickness.asc", [](double x, double) { return x < 25 ? -9999 : 3; });
+  expect_release_refused(R"(raster = "thickness.asc", polygons = "release.geojson", unit = "m", measured = "normal")",
+                         "has no number at (600023, 5200023), inside the polygons", "body.slide.release.raster");
+  write_raster("thickness.asc", [](double, double) { return 3; }, {.columns = 5});  // of another, smaller map
+  expect_release_refused(R"(raster = "thickness.asc", polygons = "release.geojson", unit = "m", measured = "normal")",
+                         "does not cover the polygons", "body.slide.release.raster");
+}
+
+TEST_F(TerrainCase, RefusesPolygonsThatAreWrong) {
+  write_polygons("release.geojson", {{ring({{20, 20}, {40, 50}, {40, 20}, {20, 50}})}});
+  expect_release_refused(drawn, "no valid polygon", "body.slide.release.polygons");
+  write_polygons("release.geojson", {{square(20, 20, 40, 50)}, {square(35, 20, 60, 50)}});
+  expect_release_refused(drawn, "has polygons that overlap at (600036, 5200021)");
+  write_polygons("release.geojson", {});
+  expect_release_refused(drawn, "holds no polygon", "body.slide.release.polygons");
+  write("release.geojson", "polygons");
+  expect_release_refused(drawn, "cannot be used", "body.slide.release.polygons");
+}
+
+TEST_F(TerrainCase, RefusesBodiesThatOverlap) {
+  const std::string second = fmt::format(
+      "[body.second]\nmaterial = \"debris\"\nrelease = {{ {} }}\nspacing = \"2.5 m\"\ninitial_stress = \"zero\"\n[run]",
+      drawn);
+  expect_refused(replaced(text_of(), "[run]", second), "[body.second.release]",
+                 "overlaps the release of body `slide` at (600024, 5200024)");
+  // Side by side, with a border that runs across pixels.
+  write_polygons("release.geojson", {{ring({{20, 20}, {40, 20}, {33, 50}, {20, 50}})}});
+  write_polygons("other.geojson", {{ring({{40, 20}, {60, 20}, {60, 50}, {33, 50}})}});
+  const Case c = read(replaced(text_of(), "[run]", replaced(second, "release.geojson", "other.geojson"))).case_;
+  ASSERT_EQ(c.bodies.size(), 2u);
+  EXPECT_NEAR(volume(c.bodies[0].region, 3) + volume(c.bodies[1].region, 3), 40 * 30 * 4, 1e-6);
+}
+
+TEST_F(TerrainCase, RefusesKeysThatDoNotGoTogether) {
+  const std::string one = "must have exactly one of `thickness`, `attribute`, `raster` and `top`";
+  expect_release_refused(R"(polygons = "release.geojson", measured = "normal")", one);
+  expect_release_refused(
+      R"(polygons = "release.geojson", thickness = "4 m", attribute = "thickness", unit = "m", measured = "normal")",
+      one);
+  expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m")", "`measured` is missing");
+  expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m", measured = "normal", unit = "m")",
+                         "goes with `attribute`, `raster` or `top` only", "body.slide.release.unit");
+  expect_release_refused(R"(polygons = "release.geojson", attribute = "thickness", measured = "normal")",
+                         "`unit` is missing");
+  expect_release_refused(R"(thickness = "4 m", measured = "normal")", "`polygons` is missing");
+  expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m", measured = "across")",
+                         "must be `normal` or `vertical`", "body.slide.release.measured");
+  expect_release_refused(
+      R"(polygons = "release.geojson", thickness = "4 m", meassured = "normal", measured = "normal")",
+      "did you mean `measured`", "body.slide.release.meassured is no key of a release");
+  expect_refused(replaced(text_of(), "spacing", "lattice = \"cells\"\nspacing"), "body.slide.lattice", "release");
+}
+
+TEST_F(TerrainCase, RefusesAReleaseWithoutTerrain) {
+  std::string text = text_of();
+  text.erase(text.find("[terrain]"), text.find("[material") - text.find("[terrain]"));
+  text = replaced(text, "cell =", R"(min = ["0 m", "0 m", "0 m"]
+max = ["100 m", "80 m", "100 m"]
+cell =)");
+  expect_refused(text, "[body.slide.release]", "lies on a [terrain], and there is none");
+}
+
+TEST_F(TerrainCase, RefusesSpacingsWithTooManyParticles) {
+  expect_refused(replaced(text_of(), "spacing = \"2.5 m\"", "spacing = \"1e-4 m\""), "[body.slide.release]",
+                 "too many particles");
+}
+
+}  // namespace talus::read_terrain_test

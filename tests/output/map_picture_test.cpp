@@ -1,0 +1,135 @@
+#include "talus/output/map_picture.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "folder_of_its_own.hpp"
+#include "talus/base/file.hpp"
+#include "talus/base/png.hpp"
+
+namespace talus::map_picture_test {
+
+/// A ridge that falls by 30 m to the north-west and to the south-east of the diagonal of 400 x 300 m.
+Terrain ridge() {
+  PlanRaster heights = PlanRaster::of({0, 0}, 10, 40, 30);
+  for (int row = 0; row < heights.rows; ++row)
+    for (int column = 0; column < heights.columns; ++column) {
+      const Vec<2> x = heights.middle(column, row);
+      heights.at(column, row) = 500 - 0.3 * std::abs(x[0] - x[1]);
+    }
+  return Terrain(heights);
+}
+
+MapLayer square() {
+  MapLayer layer{PlanRaster::of({100, 100}, 10, 10, 8, 0), "Peak flow thickness", "m"};
+  layer.values.at(5, 5) = 2.5;
+  return layer;
+}
+
+using MapPictures = FolderOfItsOwn;
+
+bool has_gnuplot() { return std::system("gnuplot --version > /dev/null 2>&1") == 0; }
+
+TEST_F(MapPictures, AreAsTallAsTheirGroundAndBrightWhereItFacesTheLight) {
+  if (!has_gnuplot()) GTEST_SKIP() << "needs gnuplot";
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.title = "A ridge";
+  picture.ground = &ground;
+  ASSERT_TRUE(draw_map(folder_ / "ridge.png", picture));
+  const GreyImage image = read_png((folder_ / "ridge.png").string());
+  EXPECT_LE(image.width, 1400);
+  EXPECT_GE(image.width, 1390);
+  // The frame of the map is the first dark line, from the left and from the top.
+  const auto is_dark = [&](int x, int y) { return image.pixels[std::size_t(y * image.width + x)] < 120; };
+  std::vector<int> across, down;  // columns and rows of which much is dark
+  for (int x = 0; x < image.width; ++x) {
+    int n = 0;
+    for (int y = 0; y < image.height; ++y) n += is_dark(x, y);
+    if (n > image.height / 2) across.push_back(x);
+  }
+  for (int y = 0; y < image.height; ++y) {
+    int n = 0;
+    for (int x = 0; x < image.width; ++x) n += is_dark(x, y);
+    if (n > image.width / 2) down.push_back(y);
+  }
+  ASSERT_GE(across.size(), 2u);
+  ASSERT_GE(down.size(), 2u);
+  EXPECT_NEAR(double(across.back() - across.front()) / (down.back() - down.front()), 400.0 / 300, 0.01);
+  // Mean brightness of the two sides of the ridge.
+  double north_west = 0, south_east = 0;
+  const int x0 = across.front() + 10, y0 = down.front() + 10;
+  for (int i = 0; i < 200; ++i)
+    for (int j = 0; j < 100; ++j) {
+      north_west += image.pixels[std::size_t((y0 + j) * image.width + x0 + i)];
+      south_east += image.pixels[std::size_t((down.back() - 10 - j) * image.width + across.back() - 10 - i)];
+    }
+  EXPECT_GT(north_west, 1.1 * south_east);
+}
+
+TEST_F(MapPictures, ShowFullCoordinatesOfTheMap) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  picture.frame = {{1234000, 5200000}, "PROJCS[\"Some zone\",GEOGCS[]]"};
+  draw_map(folder_ / "a.png", picture);
+  const std::string script = contents_of(folder_ / "a.gp");
+  EXPECT_NE(script.find("'1 234 100' 1234100"), std::string::npos);
+  EXPECT_NE(script.find("'5 200 200' 5200200"), std::string::npos);
+  EXPECT_NE(script.find("'Some zone'"), std::string::npos);
+  EXPECT_NE(script.find("Contours every 5 m"), std::string::npos);  // from 395 m to 500 m
+}
+
+TEST_F(MapPictures, ShowWhatIsInColoursWithItsSurroundings) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  picture.layer = square();
+  picture.release = {{{140, 100}, {160, 100}, {160, 120}}};
+  const bool is_drawn = draw_map(folder_ / "a.png", picture);
+  EXPECT_EQ(is_drawn, has_gnuplot());
+  const std::string script = contents_of(folder_ / "a.gp");
+  EXPECT_NE(script.find("'Peak flow thickness [m]'"), std::string::npos);
+  EXPECT_NE(script.find("array=(1,1)"), std::string::npos);  // one pixel has a number above zero
+  EXPECT_NE(script.find("origin=(155,155)"), std::string::npos);
+  EXPECT_NE(script.find("'largest: 2.5 m'"), std::string::npos);
+  EXPECT_NE(contents_of(folder_ / "a_release.txt").find("160 120\n140 100\n"), std::string::npos);  // is closed
+}
+
+TEST_F(MapPictures, OfFlatGroundWithoutAnyFlowAreDrawn) {
+  const Terrain ground(PlanRaster::of({0, 0}, 1, 20, 300, 7));
+  MapPicture picture;
+  picture.title = "It's 100 % flat_ground";
+  picture.ground = &ground;
+  picture.layer = MapLayer{PlanRaster::of({0, 0}, 1, 20, 300), "Time of arrival", "s", std::nullopt};
+  picture.domain = PlanBox{{-10, -10}, {30, 310}};
+  picture.release_mask = PlanRaster::of({0, 0}, 1, 20, 300);
+  picture.cell = 0.5;
+  EXPECT_EQ(draw_map(folder_ / "flat.png", picture), has_gnuplot());
+}
+
+TEST_F(MapPictures, WithoutGnuplotScriptAndDataAreWritten) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  const std::string path = std::getenv("PATH");
+  ::setenv("PATH", folder_.c_str(), 1);
+  const bool is_drawn = draw_map(folder_ / "a.png", picture);
+  ::setenv("PATH", path.c_str(), 1);
+  EXPECT_FALSE(is_drawn);
+  for (const char* name : {"a.gp", "a_shade.bin", "a_contours.txt"})
+    EXPECT_TRUE(std::filesystem::exists(folder_ / name));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
+}
+
+TEST(MapNumbers, HaveTheirDigitsInGroupsOfThree) {
+  EXPECT_EQ(grouped(0), "0");
+  EXPECT_EQ(grouped(999), "999");
+  EXPECT_EQ(grouped(1000), "1 000");
+  EXPECT_EQ(grouped(1234500), "1 234 500");
+  EXPECT_EQ(grouped(-1234.5, 1), "-1 234.5");
+  EXPECT_EQ(grouped(-1e-9, 1), "0.0");
+}
+
+}  // namespace talus::map_picture_test
