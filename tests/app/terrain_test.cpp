@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <filesystem>
+#include <fstream>
 
 #include "app/program.hpp"
 #include "folder_of_its_own.hpp"
@@ -36,7 +37,7 @@ TEST_F(ALandslide, LeavesMapsThatHoldAllOfItsVolume) {
   EXPECT_LT(speed, std::sqrt(2 * 9.81 * 150));  // of a free fall by the slope's height
   int n = 0;
   for (const auto& entry : fs::directory_iterator(folder_ / "out" / "maps")) n += entry.path().extension() == ".asc";
-  EXPECT_EQ(n, 7);  // five of the whole run, thickness and speed at the one instant of a picture
+  EXPECT_EQ(n, 8);  // six of the whole run, thickness and speed at the one instant of a picture
   EXPECT_TRUE(has(contents(folder_ / "out" / "report.html"), "area where flow has been"));
 }
 
@@ -50,7 +51,22 @@ TEST_F(ALandslide, StoppedAndResumedHasTheSameMaps) {
       EXPECT_EQ(contents(entry.path()), contents(folder_ / "parts" / "maps" / entry.path().filename())) << entry;
       ++n;
     }
-  EXPECT_EQ(n, 7);
+  EXPECT_EQ(n, 8);
+}
+
+TEST_F(ALandslide, IsNotResumedOnOtherGround) {
+  fs::copy(TALUS_SOURCE_DIR "/cases/landslide", folder_ / "landslide", fs::copy_options::recursive);
+  fs::copy(TALUS_SOURCE_DIR "/cases/landslide.toml", folder_ / "own.toml");
+  const std::string command = "run " + (folder_ / "own.toml").string() + " --out " + (folder_ / "out").string();
+  ASSERT_EQ(talus(command + " --until \"0.2 s\"").code, 0);
+  const fs::path map = folder_ / "landslide" / "terrain.asc";
+  std::string text = contents(map);
+  const std::size_t last = text.find_last_of("0123456789");
+  text[last] = text[last] == '1' ? '2' : '1';
+  std::ofstream(map) << text;
+  const Finished refused = talus(command + " --until \"0.4 s\" --resume");
+  EXPECT_EQ(refused.code, 2) << refused.output;
+  EXPECT_TRUE(has(refused.output, "maps that the case reads have changed")) << refused.output;
 }
 
 }  // namespace terrain_test

@@ -87,12 +87,13 @@ TEST_F(TerrainMapsOfASlope, FilesAreNamedAsAimecReadsThem) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "maps"))
     if (entry.path().extension() == ".asc") rasters.push_back(entry.path().filename().string());
   std::ranges::sort(rasters);
-  ASSERT_EQ(rasters.size(), 7u);
+  ASSERT_EQ(rasters.size(), 8u);
   // RELEASE_ID_SIMTYPE_MODEL_WHAT; an underscore or blank in the body's name would be a part more.
   const std::string head = rasters[0].substr(0, rasters[0].find("_null_talus_"));
   EXPECT_EQ(head.substr(0, 10), "upperslab_");
   EXPECT_EQ(head.size(), 18u);
-  for (const char* what : {"pft", "pfv", "ppr", "arrival", "deposit", "thickness_t00002.5", "speed_t00002.5"})
+  for (const char* what :
+       {"pft", "pfv", "ppr", "arrival", "deposit", "depositvertical", "thickness_t00002.5", "speed_t00002.5"})
     EXPECT_TRUE(std::ranges::count(rasters, head + "_null_talus_" + what + ".asc")) << what;
   // rho v^2 = 2000 x 9 Pa = 18 kPa
   std::ifstream in(folder_ / "maps" / (head + "_null_talus_ppr.asc"));

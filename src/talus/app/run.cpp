@@ -116,6 +116,10 @@ RunSoFar Run::restore_or_claim_folder() {
   RunSoFar so_far;
   if (task_.saved) {
     so_far = task_.saved->so_far;
+    if (so_far.map_checksum != checksum_of_maps(case_))
+      throw InputError(
+          "the maps that the case reads have changed since the run began: resume it with those of then, or "
+          "begin anew in another folder");
     task_.saved->restore(*simulation_);
     task_.saved->state.clear();                // as large as the particles
     fs::remove(task_.folder / "failure.hdf");  // is written again if the run fails again
@@ -127,6 +131,7 @@ RunSoFar Run::restore_or_claim_folder() {
     so_far.case_text = task_.case_text;
     so_far.next_snapshot.interval = *case_.output.snapshots;
     so_far.next_row.interval = *case_.output.history;
+    so_far.map_checksum = checksum_of_maps(case_);
   }
   so_far.end = case_.end;
   return so_far;

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "talus/base/units.hpp"
 #include "talus/case/defaults.hpp"
 #include "talus/input/map_files.hpp"
@@ -322,19 +324,22 @@ void check_apart(Section& s, const SurfaceLayer& layer, const Case& case_) {
 void note_size(Section& s, const SurfaceLayer& layer, const PlanRaster& covered) {
   const PlanRaster& t = layer.thickness;
   const double pixel_area = t.pixel * t.pixel;
-  double upright = 0, across = 0, area = 0;
+  double upright = 0, across = 0, area = 0, slope = 0;
   for_each_pixel(t, [&](int column, int row) {
     if (!(t.at(column, row) > 0)) return;
     const Vec<2> at = t.middle(column, row);
     upright += t.at(column, row) * pixel_area;
-    across += t.at(column, row) * layer.base->at(at[0], at[1]).cosine() * pixel_area;
-    area += covered.at(column, row) * pixel_area;
+    const double cosine = layer.base->at(at[0], at[1]).cosine(), covered_here = covered.at(column, row) * pixel_area;
+    across += t.at(column, row) * cosine * pixel_area;
+    area += covered_here;
+    slope += std::acos(std::min(cosine, 1.0)) * covered_here;
   });
   s.note("volume", fmt::format("{:.6g} m3", upright), "area in plan times vertical thickness");
   s.note("area", fmt::format("{:.6g} m2", area), "in plan");
   s.note("mean_thickness",
          fmt::format("{:.3g} m vertical, {:.3g} m normal to the ground", upright / area, across / area),
          "of the release");
+  s.note("mean_slope", fmt::format("{:.1f} deg", slope / area * 180 / std::numbers::pi), "of the ground under it");
 }
 
 }  // namespace

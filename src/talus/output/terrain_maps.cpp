@@ -54,6 +54,20 @@ PlanRaster pixels_of_maps(const Case& case_) {
                         int(std::ceil((far[1] - heights.corner[1]) / pixel - 1e-9)));
 }
 
+double checksum_of_maps(const Case& case_) {
+  if (!case_.map) return 0;
+  unsigned long sum = 0;
+  const auto add = [&](const PlanRaster& raster) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(raster.values.data());  // NOLINT: zlib's type
+    sum = ::crc32_z(sum, bytes, raster.values.size() * sizeof(double));
+  };
+  add(case_.map->ground->heights());
+  for (const Solid& solid : case_.solids) add(solid.zones.number);
+  for (const BodySpec& body : case_.bodies)
+    if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) add(layer->thickness);
+  return double(sum);
+}
+
 PlanRaster release_of(const Case& case_) {
   PlanRaster release = pixels_of_maps(case_);
   std::ranges::fill(release.values, 0.0);
@@ -160,6 +174,7 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
     const fs::path png = folder_ / fmt::format("{}.png", map.what);
     if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});
   }
+  write_raster_of("depositvertical", end.vertical_thickness, "m", "Vertical thickness at the end");
   result.runout = runout(end);
   return result;
 }

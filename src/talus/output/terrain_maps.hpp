@@ -16,6 +16,9 @@ namespace talus {
 /// The pixels of a case's maps, without numbers.
 PlanRaster pixels_of_maps(const Case& case_);
 
+/// A number made of all maps that a case has read, so that a run is not resumed on other ground; 0 without terrain.
+double checksum_of_maps(const Case& case_);
+
 /// What is released onto the ground of a case: upright thickness on the pixels of its maps [m].
 PlanRaster release_of(const Case& case_);
 
