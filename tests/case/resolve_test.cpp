@@ -320,6 +320,29 @@ TEST(Resolve, ACaseMadeInCppIsTheOneReadFromItsFile) {
   EXPECT_EQ(n, int(cases_in_cpp.size()));
 }
 
+TEST(Resolve, WhatOnlyATerrainHasIsRefusedElsewhereAndHeldToItsRange) {
+  const auto mistakes = [](const Case& c) {
+    try {
+      resolve(c);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != text.npos; };
+  Case gates = slump_2d_gates();
+  gates.solids.at(0).contact.xi = 500;
+  EXPECT_TRUE(has(mistakes(gates), "xi is for the ground of a [terrain] only")) << mistakes(gates);
+  Case slide = landslide();
+  slide.solids.at(0).contact.xi = -500;
+  slide.stop_below = 1.5;
+  slide.output.maps.pixel = 0;
+  EXPECT_TRUE(has(mistakes(slide), "xi = -500 m/s2 is out of range")) << mistakes(slide);
+  slide.solids.at(0).contact.xi = 500;
+  EXPECT_TRUE(has(mistakes(slide), "run.stop_below = 1.5")) << mistakes(slide);
+  EXPECT_TRUE(has(mistakes(slide), "output.maps.pixel = 0 m")) << mistakes(slide);
+}
+
 // ---- defaults ----------------------------------------------------------------------------------------------------
 
 TEST(Resolve, FillsInWhatFollowsFromTheRest) {

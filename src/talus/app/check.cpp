@@ -139,7 +139,10 @@ void print_map(const Case& case_, const std::string& case_file) {
   namespace fs = std::filesystem;
   const fs::path png = fs::path(fs::path(case_file).stem().string() + "_map") / "map.png";
   fs::create_directories(png.parent_path());
-  if (draw_case_map(png, case_)) fmt::print("map: {}\n", fs::absolute(png).string());
+  if (draw_case_map(png, case_))
+    fmt::print("map: {}\n", fs::absolute(png).string());
+  else
+    fmt::print("no map was drawn: gnuplot is not installed\n");
 }
 
 }  // namespace

@@ -83,7 +83,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   if (!snapshot && !picture) return;
   Observation seen = simulation.observe();
   if (picture) pictures_.add(seen);
-  if (picture) maps_.write_instant(t, simulation.flow());
+  if (picture && maps_.any()) maps_.write_instant(t, simulation.flow());
   if (snapshot) snapshots_.add(std::move(seen));
 }
 

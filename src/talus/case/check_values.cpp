@@ -118,6 +118,19 @@ void check_solid(const Solid& solid, const Case& case_, std::vector<Mistake>& mi
   if (std::find(std::begin(contact_kinds), std::end(contact_kinds), solid.contact.kind) == std::end(contact_kinds))
     section.add("contact", "must be `slip`, `no_slip`, `friction` or `rough`");
   check_surface(section.in("contact"), solid.contact);
+  const bool is_ground = std::holds_alternative<Ground>(solid.shape);
+  if (is_ground && case_.dim != 3) section.add("needs [domain] kind = \"3d\"");
+  const auto check_turbulence = [&](const Wall& surface) {
+    if (surface.xi != 0 && !is_ground)
+      section.in("contact").add("xi", "is for the ground of a [terrain] only");
+    else if (surface.xi != 0)
+      check_number(section.in("contact"), keys::xi, surface.xi);
+  };
+  check_turbulence(solid.contact);
+  for (const Wall& surface : solid.zones.surfaces) {
+    check_surface(section.in("zone"), surface);
+    check_turbulence(surface);
+  }
   check_function(section.in("motion"), "displacements", solid.motion.displacement);
   check_function(section.in("motion").in("rotation"), "angles", solid.motion.angle);
 }
@@ -142,6 +155,10 @@ void check_numbers_of_output(const Case& case_, std::vector<Mistake>& mistakes) 
   check_number(section, keys::history, o.history);
   check_number(section, keys::front_thickness, o.front_thickness);
   check_number(section, keys::checkpoints, o.checkpoints);
+  check_number(section.in("maps"), keys::map_interval, o.maps.interval);
+  check_number(section.in("maps"), keys::least_thickness, o.maps.least_thickness);
+  check_number(section.in("maps"), keys::map_pixel, o.maps.pixel);
+  if (case_.stop_below != 0) check_number(MistakesOf(mistakes, {"run"}), keys::stop_below, case_.stop_below);
   check_number(section, keys::checkpoint_wall, o.checkpoint_wall);
   if (o.pictures)
     for (double instant : *o.pictures) check_number(section, keys::pictures(case_.end), instant);

@@ -60,25 +60,20 @@ Default default_cfl(ShapeFunction shape) {
 
 double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_cfl(numerics.shape_function).value); }
 
-double time_of_fall(const Case& case_) {
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const BodySpec& b : case_.bodies) {
-    const Box box = bounding_box(b.region, case_.dim);
-    low = std::min(low, box.min[case_.dim - 1]);
-    high = std::max(high, box.max[case_.dim - 1]);
-  }
-  const double g = std::sqrt(dot(case_.gravity, case_.gravity));
-  return g > 0 && high > low ? std::sqrt((high - low) / g) : 0;
-}
-
 namespace {
 
-/// The largest upright thickness of the layers on a terrain; none where a body is something else [m].
-std::optional<double> thickness_of_layers(const Case& case_) {
+/// In which things fall by half a height, sqrt(H/g) [s]; 0 where nothing falls.
+double time_of_fall(double height, const Vec<3>& gravity) {
+  const double g = std::sqrt(dot(gravity, gravity));
+  return g > 0 && height > 0 ? std::sqrt(height / g) : 0;
+}
+
+/// The largest upright thickness of the layers on a terrain [m]; 0 where a body is something else.
+double thickness_of_layers(const Case& case_) {
   double thickness = 0;
   for (const BodySpec& b : case_.bodies) {
     const auto* layer = std::get_if<SurfaceLayer>(&b.region);
-    if (!layer) return std::nullopt;
+    if (!layer) return 0;
     for (const double t : layer->thickness.values) thickness = std::max(thickness, std::isnan(t) ? 0 : t);
   }
   return thickness;
@@ -86,14 +81,23 @@ std::optional<double> thickness_of_layers(const Case& case_) {
 
 }  // namespace
 
+double time_of_fall(const Case& case_) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const BodySpec& b : case_.bodies) {
+    const Box box = bounding_box(b.region, case_.dim);
+    low = std::min(low, box.min[case_.dim - 1]);
+    high = std::max(high, box.max[case_.dim - 1]);
+  }
+  return time_of_fall(high - low, case_.gravity);
+}
+
 std::optional<Default> default_tau(const Case& case_) {
-  const double g = std::sqrt(dot(case_.gravity, case_.gravity));
-  if (const auto thickness = thickness_of_layers(case_); thickness && *thickness > 0 && g > 0)
-    return Default{0.08 * std::sqrt(*thickness / g),
-                   "0.08 sqrt(H/g), with the largest thickness H of what lies on the ground"};
-  const double fall = time_of_fall(case_);
-  if (!(fall > 0)) return std::nullopt;
-  return Default{0.08 * fall, "0.08 sqrt(H/g), with the height H of all bodies"};
+  constexpr double share = 0.08;
+  if (const double fall = time_of_fall(thickness_of_layers(case_), case_.gravity); fall > 0)
+    return Default{share * fall, "0.08 sqrt(H/g), with the largest thickness H of what lies on the ground"};
+  if (const double fall = time_of_fall(case_); fall > 0)
+    return Default{share * fall, "0.08 sqrt(H/g), with the height H of all bodies"};
+  return std::nullopt;
 }
 
 bool separates_from_wall(WallKind kind) { return kind == WallKind::friction || kind == WallKind::rough; }

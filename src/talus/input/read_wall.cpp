@@ -81,7 +81,8 @@ SurfaceKey key_of_ground() {
   return {{"contact", meaning_of_contact, ground_choices},
           {"contact", meaning_of_contact, ground_contact_declaration},
           ground_kinds,
-          separates_from_solid};
+          separates_from_solid,
+          true};
 }
 
 Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_) {
@@ -93,12 +94,12 @@ Wall read_surface(Section& s, const SurfaceKey& surface, const Case& case_) {
   if (wall.kind == WallKind::friction)
     wall.friction = t.number(keys::friction);
   else if (t.has("friction"))
-    t.complain("friction", surface.kinds.data() == ground_kinds
+    t.complain("friction", surface.may_be_turbulent
                                ? fmt::format("goes with kinds `friction` and `voellmy` only; {}", example)
                                : fmt::format("goes with kind `friction` only; {}", example));
   if (is_voellmy(surface, choice))
     wall.xi = t.number(keys::xi);
-  else if (surface.kinds.data() == ground_kinds && t.has("xi"))
+  else if (surface.may_be_turbulent && t.has("xi"))
     t.complain("xi", fmt::format("goes with kind `voellmy` only; {}", example_of_voellmy));
   if (wall.kind == WallKind::rough) note_friction(t, "kind", case_);
   if (wall.kind == WallKind::friction || wall.kind == WallKind::rough || wall.kind == WallKind::slip)

@@ -59,6 +59,7 @@ struct SurfaceKey {
   Table table;
   std::span<const WallKind> kinds;  ///< that the words of `option` mean
   bool (*separates)(WallKind);      ///< whether material may lift off by default
+  bool may_be_turbulent = false;    ///< whether there is `voellmy` among the words
 };
 /// A side of the domain, and the surface of a solid.
 SurfaceKey key_of_wall(int side);

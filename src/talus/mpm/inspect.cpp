@@ -122,6 +122,12 @@ void leave_out_what_has_left(Observation& seen) {
   }
 }
 
+/// The present volume of a particle [m3].
+template <class Law, int Dim>
+double volume_of(const Law& law, const Particles<Dim>& p, int i) {
+  return p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i));
+}
+
 template <int Dim>
 void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
   const Particles<Dim>& p = body.particles;
@@ -130,7 +136,7 @@ void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
         for (int i = 0; i < p.size(); ++i) {
           const auto id = std::size_t(p.id()[i]);
           for (int a = 0; a < 3; ++a) all.places[id][a] = a < Dim ? p.position(a)[i] : 0;
-          const double volume = p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i));
+          const double volume = volume_of(law, p, i);
           all.sizes[id] = size_of_particle(volume, axisymmetric ? p.position(0)[i] : 1, Dim);
         }
       },
@@ -146,7 +152,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
           rows.push_back(p.id()[i]);
           for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
           for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.velocity(a)[i] : 0);
-          const double volume = p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i));
+          const double volume = volume_of(law, p, i);
           rows.push_back(std::min(volume, most_room * p.mass()[i]));
           rows.push_back(p.mass()[i]);
         }
@@ -246,8 +252,7 @@ double largest_volume_per_mass(const Body<Dim>& body) {
   double most = 0;
   std::visit(
       [&]<class Law>(const Law& law) {
-        for (int i = 0; i < p.size(); ++i)
-          most = std::max(most, p.reference_volume()[i] * law.specific_volume(state_of<Law>(p, i)) / p.mass()[i]);
+        for (int i = 0; i < p.size(); ++i) most = std::max(most, volume_of(law, p, i) / p.mass()[i]);
       },
       body.law);
   return most;

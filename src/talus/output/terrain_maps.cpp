@@ -25,7 +25,7 @@ std::string plain(const std::string& name) {
   return text.empty() ? "release" : text;
 }
 
-/// Numbers where there are some, and `none` of a run's maps as a number that none of them has.
+/// Stands for `none` in the state of a run: no map holds a negative number, and JSON knows no NaN.
 constexpr double no_number = -1;
 
 PlanRaster scaled(PlanRaster raster, double factor) {
@@ -111,7 +111,6 @@ void TerrainMaps::write_raster_of(const std::string& what, const PlanRaster& ras
 }
 
 void TerrainMaps::write_instant(double time, const FlowPoints& points) {
-  if (!maps_) return;
   const FlowMap map = maps_->now(points);
   const std::string at = fmt::format("t{:07.1f}", time);
   write_raster_of("thickness_" + at, map.thickness, "m", "Thickness normal to the ground");

@@ -54,7 +54,7 @@ class TerrainMaps {
   /// Everything that decides what is to come; finite numbers.
   std::vector<double> state() const;
 
-  /// Thickness and speed at an instant as rasters.
+  /// Thickness and speed at an instant as rasters, in a case with terrain.
   void write_instant(double time, const FlowPoints& points);
   /// Peaks, arrival and deposit as rasters and pictures, at the end of a run.
   MapsAtEnd write(double time, const FlowPoints& points);
