@@ -196,6 +196,20 @@ TEST(Terrain, WhereHeightsAreMissingTheSurfaceGoesOnButIsNotKnown) {
   EXPECT_EQ(terrain.lowest(), plane(-6, 20)) << "of those that are known";
 }
 
+TEST(Terrain, PixelsThatAreLeftOutAreNotKnownButTheSurfaceGoesThroughThem) {
+  const PlanRaster heights = PlanRaster{{0, 0}, 1, 5, 4, {1, 2, 3, 4, 5, 2, 7, 1, 3, 2, 5, 5, 4, 1, 0, 9, 2, 3, 1, 1}};
+  std::vector<char> left_out(20, 0);
+  left_out[15] = left_out[16] = 1;  // of the northern row the western two: 9 and 2
+  const Terrain whole(heights), part(heights, 0, left_out);
+  EXPECT_TRUE(part.has_gaps());
+  EXPECT_FALSE(part.is_known(0.5, 3.5));
+  EXPECT_TRUE(part.is_known(2.5, 3.5));
+  EXPECT_EQ(part.highest(), 7);
+  for (const double x : {0.2, 1.7, 3.3})
+    for (const double y : {0.4, 2.9, 3.6}) EXPECT_EQ(part.at(x, y).height, whole.at(x, y).height);
+  EXPECT_FALSE(part == whole);
+}
+
 TEST(Terrain, APixelWithoutAHeightTakesTheMeanOfThoseAroundIt) {
   // Eight around one: of a plane their mean is its height there, so the hole does not show.
   const Plane plane{0.3, -0.2};

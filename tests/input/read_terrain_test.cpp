@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "folder_of_its_own.hpp"
+#include "geometry/meshes.hpp"
+#include "input/stl_files.hpp"
 #include "talus/input/read.hpp"
 
 namespace talus::read_terrain_test {
@@ -276,7 +278,7 @@ TEST_F(TerrainCase, IsRefusedWhereItsRasterIsWrong) {
   expect(text_of(), "in degrees");
   fs::remove(folder_ / "dem.prj");  // degrees that nobody states
   write_raster("dem.asc", [](double, double) { return 500; }, {.edge = 1e-4, .x = 11 - east, .y = 47 - north});
-  expect(text_of(), "is 0.002 m x 0.0016 m large, less than a cell (5 m); are its coordinates in degrees?");
+  expect(text_of(), "look like degrees; project it: gdalwarp -s_srs EPSG:4326 -t_srs EPSG:32632 IN OUT");
   write("dem.prj", R"(PROJCS["feet",GEOGCS["WGS 84",DATUM["WGS_1984",SPHEROID["WGS 84",6378137,298.257223563]],)"
                    R"(PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],PROJECTION["Transverse_Mercator"],)"
                    R"(PARAMETER["central_meridian",9],UNIT["US survey foot",0.304800609601219]])");
@@ -313,7 +315,7 @@ TEST_F(TerrainCase, IsRefusedWithZonesThatAreWrong) {
   expect_refused(zone("polygons = \"far.geojson\"\ncontact = \"slip\""), "terrain.zone.wood.polygons",
                  "covers no pixel of the terrain");
   expect_refused(zone("polygons = \"release.geojson\""), "[terrain.zone.wood] `contact` is missing", "");
-  expect_refused(zone("contact = \"slip\""), "[terrain.zone.wood] `polygons` is missing", "");
+  expect_refused(zone("contact = \"slip\""), "[terrain.zone.wood] must have exactly one of `polygons` and `raster`", "");
   expect_refused(zone("polygon = \"far.geojson\"\npolygons = \"release.geojson\"\ncontact = \"slip\""),
                  "terrain.zone.wood.polygon is no key of a zone", "did you mean `polygons`");
   // A raster that cannot be read is no reason to complain about zones.
@@ -498,6 +500,296 @@ cell =)");
 TEST_F(TerrainCase, RefusesSpacingsWithTooManyParticles) {
   expect_refused(replaced(text_of(), "spacing = \"2.5 m\"", "spacing = \"1e-4 m\""), "[body.slide.release]",
                  "too many particles");
+}
+
+// ---- parts of the ground by polygons and classes -----------------------------------------------------------------
+
+TEST_F(TerrainCase, CroppedByPolygonsEndsWithTheirBoxAndKnowsNothingBesideThem) {
+  // A triangle around the release: x from 12 to 72, y from 7 to 73. Its box meets the pixels from 10 to 75 and 5 to 75.
+  write_polygons("area.geojson", {{ring({{12, 7}, {72, 7}, {12, 73}})}});
+  write_polygons("release.geojson", {{square(15, 20, 30, 40)}});
+  const CaseFile file = read(text_of(drawn, R"(crop = { polygons = "area.geojson" })"));
+  const Case& c = file.case_;
+  EXPECT_EQ(c.map->frame.origin, (Vec<2>{east + 10, north + 5}));
+  EXPECT_DOUBLE_EQ(c.domain.max[0], 65);
+  EXPECT_DOUBLE_EQ(c.domain.max[1], 70);
+  const Terrain& g = *c.map->ground;
+  EXPECT_TRUE(g.has_gaps());
+  EXPECT_TRUE(g.is_known(22 - 10, 22 - 5));
+  EXPECT_FALSE(g.is_known(67 - 10, 67 - 5)) << "outside the polygon";
+  EXPECT_FALSE(g.is_known(11 - 10, 22 - 5 + 50))
+      << "covered by less than half: beyond x = 12, the line has y = 73 - 1.1 x";
+  EXPECT_TRUE(g.is_known(13 - 10, 13 - 5)) << "of the pixel from 10 to 15 three fifths are covered";
+  // The ground itself goes on as it is.
+  EXPECT_NEAR(g.at(67 - 10, 67 - 5).height, ground(67, 67), 1e-9);
+  EXPECT_NE(shown(file, "terrain.without_ground"), "nothing");
+}
+
+TEST_F(TerrainCase, RefusesAReleaseBesideThePolygonsOfTheCrop) {
+  write_polygons("area.geojson", {{square(0, 0, 35, 80)}});
+  expect_refused(text_of(drawn, R"(crop = { polygons = "area.geojson" })"), "[body.slide.release]",
+                 "lies outside the terrain at");
+  write_polygons("area.geojson", {{ring({{0, 0}, {35, 0}, {35, 80}, {0, 80}})}, {square(60, 0, 100, 80)}});
+  expect_refused(text_of(drawn, R"(crop = { polygons = "area.geojson" })"), "[body.slide.release]",
+                 "lies where the terrain has no data, at");
+}
+
+TEST_F(TerrainCase, RefusesACropThatIsWrong) {
+  write_polygons("area.geojson", {{square(500, 0, 600, 80)}});
+  const std::string by_polygons = R"(crop = { polygons = "area.geojson" })";
+  expect_refused(text_of(drawn, by_polygons), "terrain.crop cannot be used", "holds no pixel of a raster");
+  write_polygons("area.geojson", {{square(12, 12, 14, 14)}});
+  expect_refused(text_of(drawn, by_polygons), "terrain.crop.polygons", "cover no pixel of the terrain");
+  write_polygons("area.geojson", {{square(0, 0, 50, 80)}}, 31254);
+  expect_refused(text_of(drawn, by_polygons + "\nprojection = \"EPSG:25832\""), "terrain.crop.polygons",
+                 "bring all files into one projection");
+  write_polygons("area.geojson", {{square(0, 0, 100, 80)}});
+  expect_refused(text_of(drawn, R"(crop = { polygons = "area.geojson", min = ["0 m", "0 m"] })"), "terrain.crop.min",
+                 "does not go with `polygons`");
+  expect_refused(text_of(drawn, R"(crop = { min = ["0 m", "0 m"] })"), "[terrain.crop] `max` is missing", "");
+  expect_refused(text_of(drawn, R"(crop = { polygons = "nope.shp" })"), "terrain.crop.polygons", "no such file");
+}
+
+TEST_F(TerrainCase, HasZonesByTheClassesOfARasterOnPixelsOfItsOwn) {
+  // Pixels of 8 m, whose borders lie elsewhere: the class counts that is in the middle of a pixel of the terrain.
+  write_raster("cover.asc", [](double x, double) { return x < 40   ? 3
+                                                          : x < 80 ? 7
+                                                                   : -9999; },
+               {.columns = 13, .rows = 10, .edge = 8});
+  const Case c = read(text_of(drawn, R"toml([terrain.zone.woods]
+raster = "cover.asc"
+value = 3
+contact = { kind = "friction", friction = 0.6 }
+[terrain.zone.ice]
+raster = "cover.asc"
+value = 7
+contact = "slip")toml"))
+                     .case_;
+  const Solid& g = c.solids.at(0);
+  const auto at = [&](double x) { return g.contact_at({x, 33, ground_height(c, x, 33)}); };
+  EXPECT_DOUBLE_EQ(at(12).friction, 0.6);
+  EXPECT_DOUBLE_EQ(at(39.9).friction, 0.6);
+  EXPECT_EQ(at(40.1).kind, WallKind::slip) << "the pixel from 40 to 45 m, whose middle is at 42.5";
+  EXPECT_EQ(at(79).kind, WallKind::slip);
+  EXPECT_DOUBLE_EQ(at(82).friction, 0.4) << "without a class it is the ground's";
+}
+
+TEST_F(TerrainCase, RefusesZonesByClassesThatAreWrong) {
+  const auto expect = [&](const std::string& keys, const std::string& about, const std::string& words) {
+    expect_refused(text_of(drawn, "[terrain.zone.woods]\ncontact = \"slip\"\n" + keys), about, words);
+  };
+  write_raster("cover.asc", [](double x, double) { return x < 40 ? 3 : 7; });
+  expect("raster = \"cover.asc\"\nvalue = 4", "terrain.zone.woods.value = 4 is at no pixel", "the raster holds 3, 7");
+  expect("raster = \"cover.asc\"\nvalue = 3.5", "terrain.zone.woods.value", "must be a whole number");
+  expect("raster = \"cover.asc\"", "[terrain.zone.woods] `value` is missing", "");
+  expect("raster = \"nope.asc\"\nvalue = 3", "terrain.zone.woods.raster", "no such file");
+  write_polygons("west.geojson", {{square(0, 0, 50, 80)}});
+  expect("polygons = \"west.geojson\"\nvalue = 3", "terrain.zone.woods.value", "goes with `raster` only");
+  expect("polygons = \"west.geojson\"\nraster = \"cover.asc\"\nvalue = 3", "[terrain.zone.woods]",
+         "must have exactly one of `polygons` and `raster`");
+  expect("", "[terrain.zone.woods]", "must have exactly one of `polygons` and `raster`");
+  write_raster("cover.asc", [](double x, double) { return x / 7; });
+  expect("raster = \"cover.asc\"\nvalue = 3", "terrain.zone.woods.raster", "classes are whole numbers");
+}
+
+// ---- coordinates that are none of a map --------------------------------------------------------------------------
+
+TEST_F(TerrainCase, WithoutAProjectionSmallPixelsNearTheOriginLookLikeDegrees) {
+  const auto small = [&](double edge, double x, double y) {
+    std::string text = fmt::format("ncols 20\nnrows 16\nxllcorner {}\nyllcorner {}\ncellsize {}\n", x, y, edge);
+    for (int i = 0; i < 320; ++i) text += "500\n";
+    write("dem.asc", text);
+  };
+  const std::string text = replaced(text_of(R"(raster = "layer.asc", unit = "m", measured = "vertical")"),
+                                    "cell = \"5 m\"", "cell = \"0.01 m\"");
+  small(0.000277, 11.39, 47.26);
+  expect_refused(text, "terrain.raster",
+                 "look like degrees; project it: gdalwarp -s_srs EPSG:4326 -t_srs EPSG:32632 IN OUT; or, if they are "
+                 "metres, write projection = \"local\"");
+  // A chute in the laboratory is as small.
+  small(0.05, 0, 0);
+  expect_refused(text, "terrain.raster", "look like degrees");
+  write("layer.asc",
+        "ncols 4\nnrows 4\nxllcorner 0.2\nyllcorner 0.2\ncellsize 0.05\n.1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1\n");
+  const Case c =
+      read(replaced(replaced(text, "unit = \"m\"\n", "unit = \"m\"\nprojection = \"local\"\n"), "2.5 m", "0.005 m"))
+          .case_;
+  ASSERT_TRUE(c.map);
+  EXPECT_TRUE(c.map->frame.projection.empty());
+  EXPECT_NEAR(volume(c.bodies.at(0).region, 3), 0.004, 1e-12);
+  // So large pixels are metres, and so are coordinates beyond those of the globe.
+  write_raster("dem.asc", ground);
+  EXPECT_TRUE(read(text_of()).case_.map);
+  write("dem.prj",
+        "PROJCS[\"x\",GEOGCS[\"GCS_ETRS_1989\",DATUM[\"D_ETRS_1989\",SPHEROID[\"GRS_1980\",6378137,298.257222101]],"
+        "PRIMEM[\"Greenwich\",0],UNIT[\"Degree\",0.0174532925199433]],PROJECTION[\"Transverse_Mercator\"],"
+        "PARAMETER[\"False_Easting\",500000],PARAMETER[\"False_Northing\",0],PARAMETER[\"Central_Meridian\",9],"
+        "PARAMETER[\"Scale_Factor\",0.9996],PARAMETER[\"Latitude_Of_Origin\",0],UNIT[\"Meter\",1]]");
+  expect_refused(text_of(drawn, "projection = \"local\""),
+                 "terrain.projection = \"local\" is that of no map, but dem.asc", "");
+}
+
+// ---- ground of triangles -----------------------------------------------------------------------------------------
+
+/// A chute of 400 mm x 200 mm that falls by half its length towards x, in coordinates from (-100, 50).
+std::vector<Vec<3>> chute() {
+  std::vector<Vec<3>> corners;
+  const Vec<3> a{-100, 50, 300}, b{300, 50, 100}, c{300, 250, 100}, d{-100, 250, 300};
+  meshes::add(corners, a, b, c);
+  meshes::add(corners, a, c, d);
+  return corners;
+}
+
+class GroundOfTriangles : public TerrainCase {
+ protected:
+  static std::string text_of(const std::string& of_terrain = "", const std::string& unit = "mm") {
+    return fmt::format(R"toml(title = "A chute"
+[domain]
+kind = "3d"
+cell = "20 mm"
+gravity = ["0 m/s2", "0 m/s2", "-9.81 m/s2"]
+[terrain]
+surface = "chute.stl"
+unit = "{}"
+contact = {{ kind = "friction", friction = 0.3 }}
+{}
+[material.beads]
+law = "mohr_coulomb"
+E = "1 MPa"
+nu = 0.3
+c = "0 Pa"
+phi = "30 deg"
+psi = "0 deg"
+density = "1500 kg/m3"
+[body.heap]
+material = "beads"
+box = {{ min = ["0 mm", "100 mm", "300 mm"], max = ["60 mm", "160 mm", "360 mm"] }}
+spacing = "10 mm"
+initial_stress = "zero"
+[run]
+end = "1 s"
+)toml",
+                       unit, of_terrain);
+  }
+};
+
+TEST_F(GroundOfTriangles, KeepsItsCoordinatesAndIsTheSurfaceItself) {
+  write("chute.stl", binary_stl(chute()));
+  const CaseFile file = read(text_of());
+  const Case& c = file.case_;
+  ASSERT_TRUE(c.map);
+  EXPECT_EQ(c.map->frame.origin, (Vec<2>{0, 0}));
+  EXPECT_NEAR(c.domain.min[0], -0.1, 1e-15);
+  EXPECT_NEAR(c.domain.max[0], 0.3, 1e-12);
+  EXPECT_NEAR(c.domain.max[1], 0.25, 1e-12);
+  EXPECT_DOUBLE_EQ(c.map->ground->heights().pixel, 0.01) << "half a cell";
+  for (double x : {-0.1, 0.033, 0.2, 0.3}) EXPECT_NEAR(c.map->ground->at(x, 0.13).height, 0.25 - 0.5 * x, 1e-12);
+  EXPECT_EQ(shown(file, "terrain.covered"), "100 %");
+  EXPECT_EQ(shown(file, "terrain.overhangs"), "nothing");
+  EXPECT_DOUBLE_EQ(read(text_of("pixel = \"5 mm\"")).case_.map->ground->heights().pixel, 0.005);
+  // A crop, in the coordinates of the surface.
+  const Case part = read(text_of(R"(crop = { min = ["-40 mm", "50 mm"], max = ["160 mm", "250 mm"] })")).case_;
+  EXPECT_NEAR(part.domain.min[0], -0.04, 1e-15);
+  EXPECT_NEAR(part.map->ground->at(0.1, 0.1).height, 0.2, 1e-12);
+}
+
+TEST_F(GroundOfTriangles, OfSurfacesAboveOneAnotherTheUppermostCounts) {
+  std::vector<Vec<3>> with_bridge = chute(), bridge = meshes::box({100, 50, 280}, {160, 250, 290});
+  with_bridge.insert(with_bridge.end(), bridge.begin(), bridge.end());
+  write("chute.stl", ascii_stl(with_bridge));
+  const CaseFile file = read(text_of());
+  EXPECT_NEAR(file.case_.map->ground->heights().at(23, 5), 0.29, 1e-12);
+  EXPECT_NEAR(file.case_.map->ground->heights().at(30, 5), 0.25 - 0.5 * 0.205, 1e-12);
+  EXPECT_EQ(shown(file, "terrain.overhangs"), "15 %") << "60 mm of 400 mm";
+}
+
+TEST_F(GroundOfTriangles, BesideTheTrianglesThereIsNoGround) {
+  std::vector<Vec<3>> half = chute();
+  half.resize(3);  // of two triangles the one at y < 50 + (x + 100)/2
+  write("chute.stl", ascii_stl(half));
+  const CaseFile file = read(text_of());
+  EXPECT_TRUE(file.case_.map->ground->is_known(0.2, 0.1));
+  EXPECT_FALSE(file.case_.map->ground->is_known(-0.05, 0.2));
+  EXPECT_NE(shown(file, "terrain.without_ground"), "nothing");
+}
+
+TEST_F(GroundOfTriangles, IsRefusedWhereItIsWrong) {
+  const auto expect = [&](const std::string& text, const std::string& about, const std::string& words) {
+    expect_refused(text, about, words);
+  };
+  expect(text_of(), "terrain.surface = \"chute.stl\" cannot be used", "no such file");
+  write("chute.stl", ascii_stl(chute()));
+  expect(text_of("", "m"), "terrain.surface",
+         "is 400 m x 200 m large, which makes 40000 x 20000 pixels of 10 mm; is `unit` right?");
+  expect(text_of("", "um"), "terrain.surface", "is `unit` right?");
+  expect(replaced(text_of(), "unit = \"mm\"\n", ""), "[terrain] `unit` is missing", "");
+  expect(text_of("projection = \"EPSG:25832\""), "terrain.projection", "goes with `raster` only");
+  expect(text_of("raster = \"dem.asc\""), "[terrain]", "must have exactly one of `raster` and `surface`");
+  expect(text_of("pixel = \"0 mm\""), "terrain.pixel", "must be greater than 0");
+  std::vector<Vec<3>> wall;
+  meshes::add(wall, {0, 0, 0}, {400, 0, 0}, {400, 0, 300});  // upright: from above it is a line
+  meshes::add(wall, {0, 0, 0}, {400, 1, 0}, {400, 1, 300});
+  write("chute.stl", ascii_stl(wall));
+  expect(text_of(), "terrain.surface", "");
+}
+
+// ---- layers above one another ------------------------------------------------------------------------------------
+
+class Strata : public TerrainCase {
+ protected:
+  void SetUp() override {
+    TerrainCase::SetUp();
+    write_raster("middle.asc", [](double x, double y) { return ground(x, y) + 5; });
+    write_raster("top.asc", [](double x, double y) { return ground(x, y) + 8; });
+  }
+  static std::string text_of(const std::string& lower, const std::string& upper) {
+    return replaced(TerrainCase::text_of(lower), "[run]",
+                    fmt::format("[body.upper]\nmaterial = \"debris\"\nrelease = {{ {} }}\nspacing = \"1.25 m\"\n"
+                                "initial_stress = \"k0\"\n[run]",
+                                upper));
+  }
+  static constexpr const char* lower = R"(top = "middle.asc", unit = "m")";
+  static constexpr const char* upper = R"(top = "top.asc", bottom = "middle.asc", unit = "m")";
+};
+
+TEST_F(Strata, TheUpperLayerLiesOnTheLower) {
+  const Case c = read(text_of(lower, upper)).case_;
+  ASSERT_EQ(c.bodies.size(), 2u);
+  const double area = 100 * 80;
+  EXPECT_NEAR(volume(c.bodies[0].region, 3), 5 * area, 1e-6);
+  EXPECT_NEAR(volume(c.bodies[1].region, 3), 3 * area, 1e-6);
+  for_each_point(std::get<SurfaceLayer>(c.bodies[1].region), [&](const Vec<3>& x, double) {
+    const double above = x[2] - ground_height(c, x[0], x[1]);
+    EXPECT_GT(above, 5);
+    EXPECT_LT(above, 8);
+  });
+  EXPECT_FALSE(std::get<SurfaceLayer>(c.bodies[1].region).base == c.map->ground);
+}
+
+TEST_F(Strata, MayBeDrawnOnOtherPixels) {
+  write_raster("top.asc", [](double x, double y) { return ground(x, y) + 8; }, {.columns = 10, .rows = 8, .edge = 10});
+  const Case c = read(text_of(lower, upper)).case_;
+  ASSERT_EQ(c.bodies.size(), 2u);
+}
+
+TEST_F(Strata, AreRefusedWhereTheyAreWrong) {
+  // Without its bottom the upper layer begins on the ground, as the lower one does.
+  expect_refused(text_of(lower, R"(top = "top.asc", unit = "m")"), "[body.upper.release]",
+                 "overlaps the release of body `slide` at");
+  write_raster("deep.asc", [](double x, double y) { return ground(x, y) + 3; });
+  expect_refused(text_of(lower, R"(top = "top.asc", bottom = "deep.asc", unit = "m")"), "[body.upper.release]",
+                 "of layers above one another the upper one needs a `bottom`");
+  write_raster("deep.asc", [](double x, double y) { return ground(x, y) - 3; });
+  const auto alone = [](const std::string& release) { return TerrainCase::text_of(release); };
+  expect_refused(alone(R"(top = "top.asc", bottom = "deep.asc", unit = "m")"), "[body.slide.release]",
+                 "has a `bottom` that lies 3 m below the terrain at (600001, 5200001); raise it to the terrain");
+  expect_refused(alone(R"(top = "middle.asc", bottom = "top.asc", unit = "m")"), "body.slide.release.top",
+                 "lies 3 m below `bottom` at");
+  expect_refused(alone(R"(raster = "top.asc", bottom = "middle.asc", unit = "m", measured = "vertical")"),
+                 "body.slide.release.bottom", "goes with `top` only");
+  expect_refused(alone(R"(top = "top.asc", bottom = "nope.asc", unit = "m")"), "body.slide.release.bottom",
+                 "no such file");
+  expect_refused(alone(R"(top = "top.asc", bottom = "middle.asc")"), "[body.slide.release] `unit` is missing", "");
 }
 
 }  // namespace talus::read_terrain_test

@@ -87,19 +87,48 @@ TEST_F(TerrainMapsOfASlope, FilesAreNamedAsAimecReadsThem) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "maps"))
     if (entry.path().extension() == ".asc") rasters.push_back(entry.path().filename().string());
   std::ranges::sort(rasters);
-  ASSERT_EQ(rasters.size(), 8u);
+  ASSERT_EQ(rasters.size(), 9u);
   // RELEASE_ID_SIMTYPE_MODEL_WHAT; an underscore or blank in the body's name would be a part more.
   const std::string head = rasters[0].substr(0, rasters[0].find("_null_talus_"));
   EXPECT_EQ(head.substr(0, 10), "upperslab_");
   EXPECT_EQ(head.size(), 18u);
   for (const char* what :
-       {"pft", "pfv", "ppr", "arrival", "deposit", "depositvertical", "thickness_t00002.5", "speed_t00002.5"})
+       {"pft", "pfv", "ppr", "arrival", "deposit", "depositvertical", "change", "thickness_t00002.5", "speed_t00002.5"})
     EXPECT_TRUE(std::ranges::count(rasters, head + "_null_talus_" + what + ".asc")) << what;
   // rho v^2 = 2000 x 9 Pa = 18 kPa
   std::ifstream in(folder_ / "maps" / (head + "_null_talus_ppr.asc"));
   const std::string text((std::istreambuf_iterator<char>(in)), {});
   EXPECT_NE(text.find("xllcorner 500000\n"), text.npos) << text.substr(0, 100);
   EXPECT_NE(text.find(" 18 "), text.npos);
+}
+
+TEST_F(TerrainMapsOfASlope, TheSurfaceSinksWhereMaterialHasGoneAndRisesWhereItCame) {
+  // The slab of 20 m x 20 m, 2 m thick, goes 10 m to the east: its western half is free, to the east as much is covered.
+  TerrainMaps maps(folder_ / "maps", slope_, "text");
+  maps.add(0, moved(slope_, 0, 0));
+  maps.write(5, moved(slope_, 10, 0));
+  std::ifstream in;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "maps"))
+    if (entry.path().filename().string().ends_with("_change.asc")) in.open(entry.path());
+  ASSERT_TRUE(in);
+  std::string word;
+  for (int i = 0; i < 12; ++i) in >> word;  // the header
+  double sum = 0;
+  for (int row = 11; row >= 0; --row)
+    for (int column = 0; column < 20; ++column) {
+      double rise = 0;
+      in >> rise;
+      sum += rise;
+      const bool is_row = row >= 4 && row < 8;  // y from 20 to 40
+      EXPECT_NEAR(rise,
+                  is_row && (column == 2 || column == 3)   ? -2
+                  : is_row && (column == 6 || column == 7) ? 2
+                                                           : 0,
+                  1e-5)
+          << column << " " << row;
+    }
+  EXPECT_TRUE(in);
+  EXPECT_NEAR(sum, 0, 1e-4);
 }
 
 TEST_F(TerrainMapsOfASlope, AResumedRunHasTheSameMaps) {

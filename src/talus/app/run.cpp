@@ -118,7 +118,7 @@ RunSoFar Run::restore_or_claim_folder() {
     so_far = task_.saved->so_far;
     if (so_far.map_checksum != checksum_of_maps(case_))
       throw InputError(
-          "the maps that the case reads have changed since the run began: resume it with those of then, or "
+          "the meshes or maps that the case reads have changed since the run began: resume it with those of then, or "
           "begin anew in another folder");
     task_.saved->restore(*simulation_);
     task_.saved->state.clear();                // as large as the particles

@@ -93,8 +93,7 @@ struct MapOfCase {
   bool geotiff = false;  ///< whether the terrain came as GeoTIFF, and maps go out so; otherwise as ESRI ASC
 
   bool operator==(const MapOfCase& o) const {
-    return (ground == o.ground || (ground && o.ground && *ground == *o.ground)) && frame == o.frame &&
-           geotiff == o.geotiff;
+    return same_content(ground, o.ground) && frame == o.frame && geotiff == o.geotiff;
   }
 };
 

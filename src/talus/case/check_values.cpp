@@ -119,7 +119,8 @@ void check_solid(const Solid& solid, const Case& case_, std::vector<Mistake>& mi
     section.add("contact", "must be `slip`, `no_slip`, `friction` or `rough`");
   check_surface(section.in("contact"), solid.contact);
   const bool is_ground = std::holds_alternative<Ground>(solid.shape);
-  if (is_ground && case_.dim != 3) section.add("needs [domain] kind = \"3d\"");
+  const bool is_mesh = std::holds_alternative<Mesh>(solid.shape);
+  if ((is_ground || is_mesh) && case_.dim != 3) section.add("needs [domain] kind = \"3d\"");
   const auto check_turbulence = [&](const Wall& surface) {
     if (surface.xi != 0 && !is_ground)
       section.in("contact").add("xi", "is for the ground of a [terrain] only");

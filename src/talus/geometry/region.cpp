@@ -130,10 +130,6 @@ double sum_over_layer(const SurfaceLayer& layer, F f) {
 
 }  // namespace
 
-bool SurfaceLayer::operator==(const SurfaceLayer& o) const {
-  return (base == o.base || (base && o.base && *base == *o.base)) && thickness == o.thickness;
-}
-
 double points_in(const SurfaceLayer& layer) {
   double n = 0;
   for_each_point(layer, [&](const Vec<3>&, double) { ++n; });

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "talus/base/shared_content.hpp"
 #include "talus/geometry/terrain.hpp"
 #include "talus/math/vec.hpp"
 
@@ -59,12 +60,12 @@ struct PointList {
   bool operator==(const PointList&) const = default;
 };
 
-/// What lies on a surface, in 3D: as thick as a raster says, measured upright [m]. Pixels without a number have nothing.
+/// What lies on a surface, the terrain or one above it, in 3D: as thick as a raster says, measured upright [m]. Pixels without a number have nothing.
 struct SurfaceLayer {
   std::shared_ptr<const Terrain> base;
   PlanRaster thickness;
 
-  bool operator==(const SurfaceLayer& o) const;
+  bool operator==(const SurfaceLayer& o) const { return same_content(base, o.base) && thickness == o.thickness; }
 };
 
 /// Calls f(place, volume) for the points that fill a layer. On every pixel they stand above one another, as many as pixels

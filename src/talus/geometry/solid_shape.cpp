@@ -100,10 +100,6 @@ Nearness above(const Terrain& terrain, const Vec<3>& x) {
 
 }  // namespace
 
-bool Ground::operator==(const Ground& o) const {
-  return surface == o.surface || (surface && o.surface && *surface == *o.surface);
-}
-
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim) {
   return std::visit(Overloaded{[&](const HalfSpace& h) {
                                  return Nearness{dot(x - h.point, h.normal), h.normal};
@@ -123,7 +119,11 @@ Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim) {
                                  const Nearness n = in_plane(p, x, dim);
                                  return dim == 2 ? n : common(n, layer(1, p.from, p.to, x));
                                },
-                               [&](const Ground& g) { return above(*g.surface, x); }},
+                               [&](const Ground& g) { return above(*g.surface, x); },
+                               [&](const Mesh& m) {
+                                 const TriangleMesh::Place place = m.surface->nearest(x);
+                                 return Nearness{place.distance, place.normal};
+                               }},
                     shape);
 }
 
@@ -163,7 +163,7 @@ double thickness(const SolidShape& shape, int dim) {
                    }
                    return least;
                  },
-                 [](const Ground&) { return unbounded; }},
+                 [](const Ground&) { return unbounded; }, [](const Mesh& m) { return m.surface->thickness(); }},
       shape);
 }
 
@@ -177,6 +177,9 @@ Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise) {
                                  }
                                  return b;
                                },
+                               [](const Mesh& m) {
+                                 return Box{m.surface->low(), m.surface->high()};
+                               },
                                [&](const auto& region) { return bounding_box(region, dim); }},
                     shape);
 }
@@ -189,6 +192,9 @@ double farthest(const SolidShape& shape, const Vec<3>& from, int dim) {
   };
   return std::visit(Overloaded{[](const HalfSpace&) { return unbounded; }, [](const Ground&) { return unbounded; },
                                [&](const Sphere& s) { return length(s.centre - from) + s.radius; },
+                               [&](const Mesh& m) {
+                                 return of_box(Box{m.surface->low(), m.surface->high()});
+                               },
                                [&](const auto& region) { return of_box(bounding_box(region, dim)); }},
                     shape);
 }

@@ -3,7 +3,9 @@
 
 #include <variant>
 
+#include "talus/base/shared_content.hpp"
 #include "talus/geometry/region.hpp"
+#include "talus/geometry/triangle_mesh.hpp"
 
 namespace talus {
 
@@ -27,10 +29,17 @@ struct Sphere {
 struct Ground {
   std::shared_ptr<const Terrain> surface;
 
-  bool operator==(const Ground& o) const;
+  bool operator==(const Ground& o) const { return same_content(surface, o.surface); }
 };
 
-using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon, Ground>;
+/// What a closed surface of triangles encloses, in 3D.
+struct Mesh {
+  std::shared_ptr<const TriangleMesh> surface;
+
+  bool operator==(const Mesh& o) const { return same_content(surface, o.surface); }
+};
+
+using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon, Ground, Mesh>;
 
 /// Where a point is with respect to a surface.
 struct Nearness {
@@ -40,7 +49,8 @@ struct Nearness {
 /// Of a place that is farther from a terrain than 16 of its pixels the distance is a lower bound.
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
-/// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges.
+/// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges, a mesh as
+/// TriangleMesh::thickness says.
 double thickness(const SolidShape& shape, int dim);
 /// The smallest box around a shape; of a half space, which has none, `otherwise`.
 Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise);

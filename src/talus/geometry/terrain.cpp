@@ -86,13 +86,12 @@ struct SplineWeights {
 
 }  // namespace
 
-Terrain::Terrain(PlanRaster heights, double smoothed_over)
-    : heights_(std::move(heights)),
-      smoothed_over_(smoothed_over),
-      lowest_(INFINITY),
-      highest_(-INFINITY),
-      steepest_(0) {
+Terrain::Terrain(PlanRaster heights, double smoothed_over, const std::vector<char>& left_out)
+    : heights_(std::move(heights)), lowest_(INFINITY), highest_(-INFINITY), steepest_(0) {
   assert(heights_.columns >= 2 && heights_.rows >= 2);
+  PlanRaster inner = heights_;
+  for (std::size_t i = 0; i < left_out.size(); ++i)
+    if (left_out[i]) heights_.values[i] = PlanRaster::none;
   for (const double z : heights_.values)
     if (!std::isnan(z)) {
       lowest_ = std::min(lowest_, z);
@@ -100,7 +99,6 @@ Terrain::Terrain(PlanRaster heights, double smoothed_over)
     } else {
       has_gaps_ = true;
     }
-  PlanRaster inner = heights_;
   fill_unknown(inner);
   if (const double width = smoothed_over / inner.pixel; width > 1)
     for (const bool rows : {true, false})

@@ -24,10 +24,11 @@ struct TerrainPlace {
 class Terrain {
  public:
   /// From heights [m]. Where `smoothed_over` [m] is wider than a pixel, heights are means over a square so wide: then the
-  /// ground has no bumps that cells as large cannot see.
-  explicit Terrain(PlanRaster heights, double smoothed_over = 0);
+  /// ground has no bumps that cells as large cannot see. `left_out`, if given, marks pixels that count as without a
+  /// number though the surface goes through their heights.
+  explicit Terrain(PlanRaster heights, double smoothed_over = 0, const std::vector<char>& left_out = {});
 
-  /// As they were given.
+  /// As they were given, but for those left out.
   const PlanRaster& heights() const { return heights_; }
   bool is_known(double x, double y) const { return heights_.has(heights_.column_of(x), heights_.row_of(y)); }
   /// Whether there are pixels without a height.
@@ -43,7 +44,6 @@ class Terrain {
 
  private:
   PlanRaster heights_;
-  double smoothed_over_;
   bool has_gaps_ = false;
   double lowest_, highest_, steepest_;
   std::vector<double> coefficients_;  ///< of the spline, one for each pixel and one more around

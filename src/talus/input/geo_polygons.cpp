@@ -204,7 +204,7 @@ int field_of(const OGRFeatureDefn& definition, const std::string& attribute, con
 }  // namespace
 
 GeoPolygons read_polygons(const std::string& path, const std::string& attribute) {
-  expect_geodata(path, cut);
+  expect_geodata(path, fmt::format("cut out the part that the run needs: {}", cut));
   GeoLibrary library;
   const std::unique_ptr<GDALDataset> data = open(path, library);
   OGRLayer& layer = layer_of(*data, path);

@@ -110,6 +110,13 @@ OGRSpatialReference from_prj(const std::string& file) {
   return recognized(projection);
 }
 
+/// The projection of UTM at a place in degrees east and north.
+std::string utm_at(Vec<2> place) {
+  if (!(std::abs(place[0]) <= 180 && std::abs(place[1]) <= 80)) return "EPSG:...";
+  const int zone = std::min(60, int(std::floor((place[0] + 180) / 6)) + 1);
+  return fmt::format("EPSG:{}", (place[1] < 0 ? 32700 : 32600) + zone);
+}
+
 }  // namespace
 
 GeoLibrary::GeoLibrary()
@@ -132,7 +139,7 @@ GeoLibrary::~GeoLibrary() {
   CPLPopErrorHandler();
 }
 
-void expect_geodata(const std::string& path, const std::string& crop) {
+void expect_geodata(const std::string& path, const std::string& remedy, std::uintmax_t most) {
   std::error_code failure;
   const fs::file_status status = fs::status(path, failure);
   if (!fs::exists(status)) throw std::runtime_error(fmt::format("cannot open {}: no such file", path));
@@ -143,10 +150,9 @@ void expect_geodata(const std::string& path, const std::string& crop) {
     throw std::runtime_error(fmt::format("{} lies in a folder whose name begins with /vsi; move it", path));
   const std::uintmax_t size = fs::file_size(path, failure);
   if (failure) throw std::runtime_error(fmt::format("cannot open {}: {}", path, failure.message()));
-  if (size > most_geodata_bytes)
-    throw std::runtime_error(
-        fmt::format("{} has {:.3g} GB, and at most {:.3g} GB are read; cut out the part that the run needs: {}", path,
-                    double(size) / 1e9, double(most_geodata_bytes) / 1e9, crop));
+  if (size > most)
+    throw std::runtime_error(fmt::format("{} has {:.3g} GB, and at most {:.3g} GB are read; {}", path,
+                                         double(size) / 1e9, double(most) / 1e9, remedy));
   std::ifstream in(path, std::ios::binary);
   char first[2] = {};
   if (!in) throw std::runtime_error(fmt::format("{} cannot be read", path));
@@ -161,11 +167,7 @@ void expect_geodata(const std::string& path, const std::string& crop) {
 void expect_metres(const OGRSpatialReference& projection, const std::string& path, const std::string& convert,
                    std::optional<Vec<2>> middle) {
   if (projection.IsEmpty()) return;
-  std::string example = "EPSG:...";
-  if (middle && std::abs((*middle)[0]) <= 180 && std::abs((*middle)[1]) <= 80) {
-    const int zone = std::min(60, int(std::floor(((*middle)[0] + 180) / 6)) + 1);
-    example = fmt::format("EPSG:{}", ((*middle)[1] < 0 ? 32700 : 32600) + zone);
-  }
+  const std::string example = middle ? utm_at(*middle) : "EPSG:...";
   const std::string command = convert == "ogr2ogr" ? fmt::format("ogr2ogr -t_srs {} OUT IN", example)
                               : convert.empty()    ? ""
                                                    : fmt::format("{} -t_srs {} IN OUT", convert, example);
@@ -189,6 +191,19 @@ void expect_metres(const OGRSpatialReference& projection, const std::string& pat
   if (std::abs(metres - 1) > 1e-9)
     throw std::runtime_error(fmt::format("{} has coordinates in {} of {:.10g} m ({}), not in metres; {}", path,
                                          unit ? unit : "units", metres, name_of(projection), remedy));
+}
+
+void expect_no_degrees(const GeoRaster& read, const std::string& path) {
+  constexpr double largest_pixel = 0.1;
+  const Vec<2> low = read.raster.corner, high = read.raster.far_corner(), middle = 0.5 * (low + high);
+  if (!read.projection.empty() || !(read.raster.pixel < largest_pixel) || !(low[0] >= -180 && high[0] <= 180) ||
+      !(low[1] >= -90 && high[1] <= 90))
+    return;
+  throw std::runtime_error(fmt::format(
+      "{} states no projection, and its pixels of {:.6g} from ({:.10g}, {:.10g}) to ({:.10g}, {:.10g}) look like "
+      "degrees; "
+      "project it: gdalwarp -s_srs EPSG:4326 -t_srs {} IN OUT; or, if they are metres, write projection = \"local\"",
+      path, read.raster.pixel, low[0], low[1], high[0], high[1], utm_at(middle)));
 }
 
 std::string wkt_of(const OGRSpatialReference& projection) {

@@ -117,7 +117,7 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
   }
 }
 
-GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit) {
+GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterContent content) {
   const GeoLibrary library;
   const std::array<const char*, 2> drivers{"GTiff", nullptr};
   const std::unique_ptr<GDALDataset> data(GDALDataset::Open(
@@ -137,16 +137,16 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit) {
   GDALRasterBand& band = *data->GetRasterBand(1);
   if (GDALDataTypeIsComplex(band.GetRasterDataType()))
     throw std::runtime_error(fmt::format("{} holds complex numbers, and real ones are expected", path));
-  if (band.GetColorTable())
+  if (band.GetColorTable() && content != RasterContent::classes)
     throw std::runtime_error(fmt::format("{} holds colours from a palette, and numbers are expected", path));
   bool down = true;
   GeoRaster read{pixels_of(*data, path, down), "", "GeoTIFF"};
   if (const OGRSpatialReference* projection = data->GetSpatialRef()) {
     const PlanRaster& r = read.raster;
     expect_metres(*projection, path, "gdalwarp", 0.5 * (r.corner + r.far_corner()));
-    expect_units(band, *projection, metres_per_unit, path);
+    if (content != RasterContent::classes) expect_units(band, *projection, metres_per_unit, path);
     read.projection = wkt_of(*projection);
-  } else {
+  } else if (content != RasterContent::classes) {
     expect_units(band, OGRSpatialReference(), metres_per_unit, path);
   }
   read_values(band, path, down, read.raster, library);
@@ -171,13 +171,17 @@ void finish(PlanRaster& raster, double metres_per_unit, RasterContent content, c
       any = true;
       value *= metres_per_unit;
       const bool no_height = content == RasterContent::heights && !(value >= lowest_ground && value <= highest_ground);
-      if (std::isfinite(value) && !no_height) continue;
+      const bool no_class = content == RasterContent::classes && value != std::round(value);
+      if (std::isfinite(value) && !no_height && !no_class) continue;
       const std::string place =
           fmt::format("column {}, row {} from the north, at ({:.10g}, {:.10g})", column + 1, raster.rows - row,
                       raster.middle(column, row)[0], raster.middle(column, row)[1]);
       if (!std::isfinite(value))
         throw std::runtime_error(
             fmt::format("{} holds an infinite value in {}; mark places without a number as no data", path, place));
+      if (no_class)
+        throw std::runtime_error(
+            fmt::format("{} holds {:.6g} in {}, and classes are whole numbers", path, value, place));
       throw std::runtime_error(fmt::format(
           "{} holds {:.6g} m in {}, which is no height (from {} m to {} m); check the unit, and that this value is not "
           "meant as no data",
@@ -189,12 +193,12 @@ void finish(PlanRaster& raster, double metres_per_unit, RasterContent content, c
 }  // namespace
 
 GeoRaster read_geo_raster(const std::string& path, double metres_per_unit, RasterContent content) {
-  expect_geodata(path, how_to_crop);
+  expect_geodata(path, fmt::format("cut out the part that the run needs: {}", how_to_crop));
   const bool tiff = is_tiff(path);
   if (!tiff && !looks_like_ascii_raster(path))
     throw std::runtime_error(fmt::format(
         "{} is neither an ESRI ASCII raster nor a GeoTIFF; convert it: gdal_translate -of GTiff IN OUT", path));
-  GeoRaster read = tiff ? read_geo_tiff(path, metres_per_unit) : read_ascii(path);
+  GeoRaster read = tiff ? read_geo_tiff(path, metres_per_unit, content) : read_ascii(path);
   finish(read.raster, metres_per_unit, content, path);
   return read;
 }

@@ -26,12 +26,17 @@ struct GeoRaster {
 enum class RasterContent {
   any,
   heights,  ///< above the sea: refused where one lies beyond what the Earth has
+  classes,  ///< whole numbers, which have no unit
 };
 
 /// Reads an ESRI ASCII raster, with the projection from a .prj beside it, or a GeoTIFF. `metres_per_unit` converts the
 /// values into m; a unit that the file states must be the same.
 GeoRaster read_geo_raster(const std::string& path, double metres_per_unit = 1,
                           RasterContent content = RasterContent::any);
+
+/// Throws if a raster that states no projection is in degrees, as it seems: it lies within 180 degrees east and west and 90
+/// north and south, with pixels smaller than a tenth of a degree.
+void expect_no_degrees(const GeoRaster& read, const std::string& path);
 
 /// The whole pixels that a rectangle meets. Throws std::runtime_error if there are none.
 PlanRaster cropped(const PlanRaster& raster, Vec<2> low, Vec<2> high);

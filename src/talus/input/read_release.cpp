@@ -19,12 +19,14 @@ constexpr Parameter even_thickness{
 constexpr Text attribute{"attribute", "name of the polygons' attribute that says how thick each is"};
 constexpr Text raster{"raster", "how thick it is: an ESRI ASCII raster or a GeoTIFF"};
 constexpr Text top{"top", "heights of its surface, above the terrain: an ESRI ASCII raster or a GeoTIFF"};
-constexpr Text unit{"unit", "unit of the numbers of `attribute`, `raster` or `top`, such as \"m\""};
+constexpr Text bottom{"bottom", "heights of its underside, where `top` lies above another layer than the terrain"};
+constexpr Text unit{"unit", "unit of the numbers of `attribute`, `raster`, `top` and `bottom`, such as \"m\""};
 constexpr Choice directions[] = {{"normal", "across the ground"}, {"vertical", "straight up"}};
 constexpr Option measured{"measured", "how thickness is measured", directions};
 
 /// What a release says of its thickness.
 struct Release {
+  std::shared_ptr<const Terrain> base;  ///< that it lies on
   std::optional<GeoPolygons> outlines;
   std::optional<PlanRaster> raster;  ///< of thickness
   double thickness = 0;              ///< where neither raster nor polygons have it [m]
@@ -86,7 +88,7 @@ void convert_attribute(Section& s, double metres, GeoPolygons& outlines) {
   }
 }
 
-/// Height of a surface above the terrain, where both are known [m].
+/// Height of a surface above the ground of a layer, where both are known [m].
 PlanRaster height_above(const PlanRaster& surface, const Terrain& ground) {
   constexpr double least = 1e-3;            // heights are written with so many digits
   const Terrain heights(ground.heights());  // without smoothing: the surface has none either
@@ -100,14 +102,14 @@ PlanRaster height_above(const PlanRaster& surface, const Terrain& ground) {
   return above;
 }
 
-/// What is wrong with the thickness of a pixel that counts.
-std::string fault_of_thickness(double here, bool is_top, const std::string& place) {
+/// What is wrong with the thickness of a pixel that counts. `below`: what a surface lies above; empty without one.
+std::string fault_of_thickness(double here, const std::string& below, const std::string& place) {
   if (std::isnan(here)) return fmt::format("has no number at {}, inside the polygons", place);
-  if (here < 0 && is_top)
+  if (here < 0 && !below.empty())
     return fmt::format(
-        "lies {} below the terrain at {}; raise it to the terrain where nothing is released, or name "
-        "`polygons` around the release",
-        with_unit(-here, "m"), place);
+        "lies {} below {} at {}; raise it to {} where nothing is released, or name `polygons` around the "
+        "release",
+        with_unit(-here, "m"), below, place, below);
   return fmt::format("means a thickness of {} at {}; it must be {}", with_unit(here, "m"), place,
                      in_words(Range::between(0, most_thickness), "m"));
 }
@@ -126,7 +128,10 @@ void check_raster(Section& s, const MapFrame& frame, Release& release) {
     return counts(column, row) && (std::isnan(here) ? release.outlines.has_value() : here < 0 || here > most_thickness);
   });
   if (wrong)
-    return s.complain(key, fault_of_thickness(t.at((*wrong)[0], (*wrong)[1]), key == "top",
+    return s.complain(key, fault_of_thickness(t.at((*wrong)[0], (*wrong)[1]),
+                                              key != "top"      ? ""
+                                              : s.has("bottom") ? "`bottom`"
+                                                                : "the terrain",
                                               on_map(t.middle((*wrong)[0], (*wrong)[1]), frame)));
   for_each_pixel(t, [&](int column, int row) {
     if (!counts(column, row)) t.at(column, row) = std::max(t.at(column, row), 0.0);  // none stays none
@@ -142,20 +147,34 @@ void read_polygons_of(Section& s, const std::string& folder, double metres, MapO
   if (release.outlines) convert_attribute(s, metres, *release.outlines);
 }
 
-Release read_source(Section& s, const std::string& folder, MapOfCase& map) {
+/// What a release lies on: the terrain, or the surface that it names.
+std::shared_ptr<const Terrain> read_base(Section& s, const std::string& folder, double metres, double cell,
+                                         MapOfCase& map) {
+  if (!s.has("bottom")) return map.ground;
+  if (!s.has("top")) expect_absent(s, {"bottom"}, "top");
+  std::optional<PlanRaster> heights = read_map_raster(s, bottom, folder, metres, RasterContent::heights, map);
+  if (!heights) return map.ground;
+  if (heights->columns >= 2 && heights->rows >= 2) return std::make_shared<const Terrain>(std::move(*heights), cell);
+  s.complain("bottom",
+             fmt::format("has {} x {} pixels, and at least 2 x 2 are needed", heights->columns, heights->rows));
+  return map.ground;
+}
+
+Release read_source(Section& s, const std::string& folder, double cell, MapOfCase& map) {
   Release release;
   s.expect_one_of();
   double metres = 1;
-  if (s.has("attribute") || s.has("raster") || s.has("top"))
+  if (s.has("attribute") || s.has("raster") || s.has("top") || s.has("bottom"))
     metres = metres_of(s, unit);
   else
     expect_absent(s, {"unit"}, "attribute`, `raster` or `top");
   if (s.has("thickness")) release.thickness = s.number(even_thickness);
   read_polygons_of(s, folder, metres, map, release);
+  release.base = read_base(s, folder, metres, cell, map);
   if (s.has("raster")) release.raster = read_map_raster(s, raster, folder, metres, RasterContent::any, map);
   if (s.has("top")) {
     release.raster = read_map_raster(s, top, folder, metres, RasterContent::heights, map);
-    if (release.raster) release.raster = height_above(*release.raster, *map.ground);
+    if (release.raster) release.raster = height_above(*release.raster, *release.base);
     expect_absent(s, {"measured"}, "thickness`, `attribute` or `raster");
   } else {
     release.normal = s.required_choice(measured) == 0;
@@ -267,8 +286,31 @@ Layer upright_layer(const Release& release, const Terrain& ground, const PlanRas
   return layer;
 }
 
+/// Why the surface that a release lies on is refused; empty if it is the terrain, or right.
+std::string fault_of_base(const PlanRaster& t, const Terrain& base, const MapOfCase& map) {
+  if (&base == map.ground.get()) return "";
+  const auto unknown = find_pixel(t, [&](int column, int row) {
+    const Vec<2> at = t.middle(column, row);
+    return t.at(column, row) > 0 && !base.is_known(at[0], at[1]);
+  });
+  if (unknown)
+    return fmt::format("lies where `bottom` has no data, at {}",
+                       on_map(t.middle((*unknown)[0], (*unknown)[1]), map.frame));
+  // Rasters of other pixels differ a little between them; the lowest particles stand half a pixel above the base.
+  const double close = 0.25 * t.pixel;
+  const auto buried = [&](const Vec<2>& at) {
+    return map.ground->at(at[0], at[1]).height - base.at(at[0], at[1]).height;
+  };
+  const auto below = find_pixel(
+      t, [&](int column, int row) { return t.at(column, row) > 0 && buried(t.middle(column, row)) > close; });
+  if (!below) return "";
+  const Vec<2> at = t.middle((*below)[0], (*below)[1]);
+  return fmt::format("has a `bottom` that lies {} below the terrain at {}; raise it to the terrain",
+                     with_unit(buried(at), "m"), on_map(at, map.frame));
+}
+
 /// Why a release is refused; empty if it is right.
-std::string fault_of(const Layer& layer, const MapOfCase& map) {
+std::string fault_of(const Layer& layer, const Terrain& base, const MapOfCase& map) {
   const PlanRaster &t = layer.thickness, &heights = map.ground->heights();
   if (!find_pixel(t, [&](int column, int row) { return t.at(column, row) > 0; }))
     return "has no volume: its thickness is 0 everywhere";
@@ -282,7 +324,7 @@ std::string fault_of(const Layer& layer, const MapOfCase& map) {
     const Vec<2> at = t.middle(column, row);
     return t.at(column, row) > 0 && !map.ground->is_known(at[0], at[1]);
   });
-  if (!beside) return "";
+  if (!beside) return fault_of_base(t, base, map);
   const Vec<2> at = t.middle((*beside)[0], (*beside)[1]);
   if (heights.has_pixel(heights.column_of(at[0]), heights.row_of(at[1])))
     return fmt::format("lies where the terrain has no data, at {}", on_map(at, map.frame));
@@ -290,16 +332,22 @@ std::string fault_of(const Layer& layer, const MapOfCase& map) {
                      on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
 }
 
-/// The first place where two layers lie on the same ground, in the middle of a pixel whose neighbours they share, too:
-/// pixels along a border that two releases have in common belong to both.
+/// The first place where two layers fill the same space, in the middle of a pixel whose neighbours they share, too: pixels
+/// along a border that two releases have in common belong to both. Layers above one another may overlap by less than
+/// half a particle, since their surfaces were drawn on different pixels.
 std::optional<Vec<2>> overlap(const SurfaceLayer& a, const SurfaceLayer& b) {
   const double apart = std::max(a.thickness.pixel, b.thickness.pixel);
+  const double deep = 0.5 * std::min(a.thickness.pixel, b.thickness.pixel);
   const auto has_both = [&](const Vec<2>& x) {
-    const auto is_on = [&](const PlanRaster& t) {
-      const int column = t.column_of(x[0]), row = t.row_of(x[1]);
-      return t.has(column, row) && t.at(column, row) > 0;
+    const auto thickness_of = [&](const SurfaceLayer& layer) {
+      const int column = layer.thickness.column_of(x[0]), row = layer.thickness.row_of(x[1]);
+      return layer.thickness.has(column, row) ? layer.thickness.at(column, row) : 0;
     };
-    return is_on(a.thickness) && is_on(b.thickness);
+    const double of_a = thickness_of(a), of_b = thickness_of(b);
+    if (!(of_a > 0 && of_b > 0)) return false;
+    if (a.base == b.base) return true;
+    const double under_a = a.base->at(x[0], x[1]).height, under_b = b.base->at(x[0], x[1]).height;
+    return std::min(under_a + of_a, under_b + of_b) - std::max(under_a, under_b) > deep;
   };
   std::optional<Vec<2>> place;
   for_each_pixel(a.thickness, [&](int column, int row) {
@@ -316,8 +364,9 @@ void check_apart(Section& s, const SurfaceLayer& layer, const Case& case_) {
   for (const BodySpec& other : case_.bodies)
     if (const auto* its = std::get_if<SurfaceLayer>(&other.region))
       if (const auto place = overlap(layer, *its))
-        return s.complain(fmt::format("overlaps the release of body `{}` at {}; both would begin on the ground",
-                                      other.name, on_map(*place, case_.map->frame)));
+        return s.complain(fmt::format(
+            "overlaps the release of body `{}` at {}; of layers above one another the upper one needs a `bottom`",
+            other.name, on_map(*place, case_.map->frame)));
 }
 
 /// Shows volume, area and mean thickness.
@@ -347,7 +396,7 @@ void note_size(Section& s, const SurfaceLayer& layer, const PlanRaster& covered)
 const Declaration& release_declaration() {
   static const Declaration d("a release",
                              {depends(polygons), optional(even_thickness), optional(attribute), optional(raster),
-                              optional(top), depends(unit), depends(measured)},
+                              optional(top), optional(bottom), depends(unit), depends(measured)},
                              {"thickness", "attribute", "raster", "top"});
   return d;
 }
@@ -358,7 +407,7 @@ Region read_release(Section& s, Case& case_, const std::string& folder, double s
     if (s.is_right()) s.complain("lies on a [terrain], and there is none; name the raster of its heights there");
     return none;
   }
-  const Release release = read_source(s, folder, *case_.map);
+  const Release release = read_source(s, folder, case_.cell, *case_.map);
   s.close();
   if (!s.is_right() || !(spacing > 0) || (!release.outlines && !release.raster)) return none;
   const Rectangle around = rectangle_around(release);
@@ -367,12 +416,12 @@ Region read_release(Section& s, Case& case_, const std::string& folder, double s
     s.complain("needs too many particles; enlarge the `spacing` of the body");
     return none;
   }
-  Layer upright = upright_layer(release, *case_.map->ground, pixels);
-  if (const std::string fault = fault_of(upright, *case_.map); !fault.empty()) {
+  Layer upright = upright_layer(release, *release.base, pixels);
+  if (const std::string fault = fault_of(upright, *release.base, *case_.map); !fault.empty()) {
     s.complain(fault);
     return none;
   }
-  const SurfaceLayer layer{case_.map->ground, std::move(upright.thickness)};
+  const SurfaceLayer layer{release.base, std::move(upright.thickness)};
   check_apart(s, layer, case_);
   note_size(s, layer, upright.covered);
   return layer;

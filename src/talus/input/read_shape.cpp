@@ -99,8 +99,9 @@ Region read_shape(Section& s, int dim) {
   return region;
 }
 
-SolidShape read_solid_shape(Section& s, int dim) {
+SolidShape read_solid_shape(Section& s, int dim, const std::string& folder) {
   s.expect_one_of();
+  if (s.has("mesh")) return read_mesh(s, dim, folder);
   if (s.has("half_space")) return read_half_space(s, dim);
   if (s.has("sphere")) return read_sphere(s, dim);
   return std::visit(

@@ -13,16 +13,16 @@ constexpr Table motion{"motion", "how the solid moves; without it, it rests", mo
 const Declaration& solid_declaration() {
   static const Declaration d("a solid",
                              {optional(keys::half_space), optional(keys::box), optional(keys::sphere),
-                              optional(keys::cylinder), optional(keys::polygon), optional(hollow),
+                              optional(keys::cylinder), optional(keys::polygon), optional(keys::mesh), optional(hollow),
                               required(key_of_contact().option), required(key_of_contact().table), optional(motion)},
-                             {"half_space", "box", "sphere", "cylinder", "polygon"});
+                             {"half_space", "box", "sphere", "cylinder", "polygon", "mesh"});
   return d;
 }
 
 void read_solids(Section& root, Case& case_, const std::string& folder) {
   if (!root.has("solid")) return;
   for (auto& [name, s] : root.named_sections(keys::solids)) {
-    Solid solid{name, read_solid_shape(s, case_.dim), {}};
+    Solid solid{name, read_solid_shape(s, case_.dim, folder), {}};
     solid.hollow = s.flag(hollow, solid.hollow);
     solid.contact = read_surface(s, key_of_contact(), case_);
     if (!s.has("contact")) s.complain("`contact` is missing: " + any_of({"slip", "no_slip", "friction", "rough"}));

@@ -74,6 +74,7 @@ const Declaration& cylinder_declaration();
 const Declaration& polygon_declaration();
 const Declaration& half_space_declaration();
 const Declaration& sphere_declaration();
+const Declaration& mesh_declaration();
 const Declaration& image_declaration();
 const Declaration& points_declaration();
 namespace keys {
@@ -82,6 +83,7 @@ inline constexpr Table cylinder{"cylinder", "an upright cylinder; in plane strai
 inline constexpr Table polygon{"polygon", "a polygon in the vertical plane", polygon_declaration};
 inline constexpr Table half_space{"half_space", "all points behind a plane", half_space_declaration};
 inline constexpr Table sphere{"sphere", "a sphere; in plane strain a disk", sphere_declaration};
+inline constexpr Table mesh{"mesh", "what a closed surface of triangles encloses", mesh_declaration};
 inline constexpr Table image{"image", "the dark pixels of a picture", image_declaration};
 inline constexpr Table points{"points", "particles listed in a file", points_declaration};
 inline constexpr Table release{"release", "a layer on the terrain", release_declaration};
@@ -89,8 +91,10 @@ inline constexpr Table release{"release", "a layer on the terrain", release_decl
 
 /// The key `box`, `cylinder` or `polygon`, whichever there is.
 Region read_shape(Section& s, int dim);
-/// A half-space, a sphere or one of the shapes that bodies have, too.
-SolidShape read_solid_shape(Section& s, int dim);
+/// A half-space, a sphere, a mesh or one of the shapes that bodies have, too.
+SolidShape read_solid_shape(Section& s, int dim, const std::string& folder);
+/// A mesh; an empty box in the place of one that is none.
+SolidShape read_mesh(Section& s, int dim, const std::string& folder);
 /// The dark pixels of a PNG file.
 Region read_image(Section& s, const std::string& folder);
 /// Particles of a CSV file, in SI; without a column of volumes each is a square or cube of edge `spacing`.

@@ -16,12 +16,14 @@ struct PlanBox {
   Vec<2> low{}, high{};
 };
 
-/// A quantity in colours. Pixels without a number, or whose number is not above `hidden_to`, stay free.
+/// A quantity in colours. Pixels without a number, or whose number is not above `hidden_to`, stay free; of quantities
+/// with `both_signs`, those whose magnitude is not: what has sunk is blue, what has risen red.
 struct MapLayer {
   PlanRaster values;
   std::string words;  ///< beside the colours: "Peak flow thickness"
   std::string unit;
   std::optional<double> hidden_to = 0;
+  bool both_signs = false;
 };
 
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.

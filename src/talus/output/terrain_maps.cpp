@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "talus/base/units.hpp"
+#include "talus/mpm/start/filling.hpp"
 #include "talus/output/map_picture.hpp"
 #include "talus/output/raster_file.hpp"
 
@@ -55,16 +56,25 @@ PlanRaster pixels_of_maps(const Case& case_) {
 }
 
 double checksum_of_maps(const Case& case_) {
-  if (!case_.map) return 0;
   unsigned long sum = 0;
-  const auto add = [&](const PlanRaster& raster) {
-    const auto* bytes = reinterpret_cast<const unsigned char*>(raster.values.data());  // NOLINT: zlib's type
-    sum = ::crc32_z(sum, bytes, raster.values.size() * sizeof(double));
+  const auto add_numbers = [&](const auto& numbers) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(numbers.data());  // NOLINT: zlib's type
+    sum = ::crc32_z(sum, bytes, numbers.size() * sizeof(numbers[0]));
   };
+  const auto add = [&](const PlanRaster& raster) { add_numbers(raster.values); };
+  for (const Solid& solid : case_.solids)
+    if (const auto* mesh = std::get_if<Mesh>(&solid.shape)) {
+      add_numbers(mesh->surface->corners());
+      add_numbers(mesh->surface->triangles());
+    }
+  if (!case_.map) return double(sum);
   add(case_.map->ground->heights());
   for (const Solid& solid : case_.solids) add(solid.zones.number);
   for (const BodySpec& body : case_.bodies)
-    if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) add(layer->thickness);
+    if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
+      add(layer->thickness);
+      if (layer->base != case_.map->ground) add(layer->base->heights());
+    }
   return double(sum);
 }
 
@@ -150,6 +160,21 @@ Runout TerrainMaps::runout(const FlowMap& end) const {
   return out;
 }
 
+PlanRaster TerrainMaps::change_of_surface(const FlowMap& end) {
+  FlowPoints start;
+  for (const BodySpec& body : case_.bodies) {
+    const Filling filling = fill(case_, body);
+    start.places.insert(start.places.end(), filling.points.begin(), filling.points.end());
+    start.volumes.insert(start.volumes.end(), filling.volumes.begin(), filling.volumes.end());
+  }
+  start.velocities.resize(start.places.size());
+  start.masses = start.volumes;  // of no use here
+  const FlowMap before = maps_->now(start);
+  PlanRaster change = end.vertical_thickness;
+  for (std::size_t i = 0; i < change.values.size(); ++i) change.values[i] -= before.vertical_thickness.values[i];
+  return change;
+}
+
 MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
   MapsAtEnd result;
   if (!maps_) return result;
@@ -159,16 +184,18 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
     const char *what, *words, *unit;
     PlanRaster values;
     std::optional<double> hidden_to;
+    bool both_signs = false;
   };
   const Map all[] = {{"pft", "Peak flow thickness", "m", maps_->peak_thickness(), least},
                      {"pfv", "Peak flow speed", "m/s", maps_->peak_speed(), 0},
                      {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0},
                      {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
-                     {"deposit", "Thickness at the end", "m", end.thickness, least}};
+                     {"deposit", "Thickness at the end", "m", end.thickness, least},
+                     {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, true}};
   for (const Map& map : all) {
     write_raster_of(map.what, map.values, map.unit, map.words);
     MapPicture picture = picture_of(case_);
-    picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to};
+    picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to, map.both_signs};
     picture.notes = {fmt::format("until {:.1f} s", time)};
     const fs::path png = folder_ / fmt::format("{}.png", map.what);
     if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});

@@ -16,7 +16,7 @@ namespace talus {
 /// The pixels of a case's maps, without numbers.
 PlanRaster pixels_of_maps(const Case& case_);
 
-/// A number made of all maps that a case has read, so that a run is not resumed on other ground; 0 without terrain.
+/// A number made of all maps and meshes that a case has read, so that a run is not resumed on other ground; 0 without any.
 double checksum_of_maps(const Case& case_);
 
 /// What is released onto the ground of a case: upright thickness on the pixels of its maps [m].
@@ -41,6 +41,8 @@ struct MapsAtEnd {
 /// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
 /// body, a number made of the case, and pft (peak flow thickness, m), pfv (peak flow velocity, m/s), ppr (peak pressure,
 /// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
+/// `change` is how far the surface of all bodies has risen, upright (m): vertical thickness at the end less that at the
+/// start, negative where material has gone. Where bodies are the ground itself, that is deposit and erosion.
 class TerrainMaps {
  public:
   /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` what `state` gave before
@@ -63,6 +65,7 @@ class TerrainMaps {
 
  private:
   Runout runout(const FlowMap& end) const;
+  PlanRaster change_of_surface(const FlowMap& end);
   void write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
                        const std::string& meaning) const;
 

@@ -111,4 +111,61 @@ TEST(Start, BesideListedPointsThereIsNoLoadAndAtTheirEdgeAShareOfIt) {
   EXPECT_NEAR(ground.on({-0.2, 0, 0}, 0.8).stress, 0.25 * 1000 * g, 1e-9);
 }
 
+/// Ground z = bed(x), and a layer on it up to z = top(x), in pixels of half a metre; cells of 1 m.
+template <class Bed, class Top>
+Case layer_between(Bed bed, Top top) {
+  PlanRaster heights = PlanRaster::of({0, 0}, 0.5, 80, 40), thickness = heights;
+  for (int row = 0; row < 40; ++row)
+    for (int column = 0; column < 80; ++column) {
+      const double x = heights.middle(column, row)[0];
+      heights.at(column, row) = bed(x);
+      thickness.at(column, row) = top(x) - bed(x);
+    }
+  Case what = bodies(3, {SurfaceLayer{std::make_shared<const Terrain>(heights), thickness}});
+  what.cell = 1;
+  return what;
+}
+
+TEST(Start, UnderAPlaneSlopeStressIsInBalanceWhateverTheGroundBelow) {
+  // d sigma_xx/dx + d sigma_xz/dz = 0 and d sigma_xz/dx + d sigma_zz/dz = rho g, by differences; nothing on the surface.
+  const auto top = [](double x) { return 30 - 0.5 * x; };
+  for (const double wave : {0.0, 1.5}) {
+    const Case what = layer_between([&](double x) { return 2 + wave * std::sin(0.15 * x); }, top);
+    const Overburden overburden(what);
+    const auto at = [&](double x, double z) {
+      const Vec<3> place{x, 10.25, z};
+      return initial_state(what, what.bodies[0], overburden.on(place, 0.5).stress,
+                           overburden.slope_above(what.bodies[0], place))
+          .stress;
+    };
+    for (const double z : {4.5, 8.0, 14.0}) {
+      const double x = 20.25, e = 0.5;
+      ASSERT_NEAR(overburden.slope_above(what.bodies[0], {x, 10.25, z})[0], -0.5, 5e-3);
+      const SymTensor<double> right = at(x + e, z), left = at(x - e, z), up = at(x, z + e), down = at(x, z - e);
+      const double weight = 1000 * g;
+      EXPECT_NEAR((right[0] - left[0] + up[5] - down[5]) / (2 * e), 0, 0.01 * weight);
+      EXPECT_NEAR((right[5] - left[5] + up[2] - down[2]) / (2 * e), weight, 0.01 * weight);
+    }
+    EXPECT_NEAR(at(20.25, top(20.25))[2], 0, 1e-6 * 1000 * g);
+  }
+}
+
+TEST(Start, AlongTheEdgeOfALayerTheSlopeIsThatOfTheGround) {
+  // Its thickness ends there within a pixel, and that is no slope.
+  const Case what = layer_between([](double x) { return 10 - 0.2 * x; }, [](double x) { return 12 - 0.2 * x; });
+  const Overburden overburden(what);
+  for (const double x : {0.25, 1.25, 20.25, 39.75})
+    EXPECT_NEAR(overburden.slope_above(what.bodies[0], {x, 10.25, 11 - 0.2 * x})[0], -0.2, 1e-6);
+  EXPECT_EQ(overburden.slope_above(bodies(3, {Box{{0, 0, 0}, {1, 1, 1}}}).bodies[0], {0.5, 0.5, 0.5}), (Vec<2>{0, 0}));
+}
+
+TEST(Start, OfLayersAboveOneAnotherTheUpperSurfaceSlopes) {
+  Case what = layer_between([](double) { return 0.0; }, [](double) { return 5.0; });
+  const Case above = layer_between([](double) { return 5.0; }, [](double x) { return 30 - 0.5 * x; });
+  what.bodies.push_back(above.bodies[0]);
+  const Overburden overburden(what);
+  EXPECT_NEAR(overburden.slope_above(what.bodies[0], {20.25, 10.25, 2})[0], -0.5, 1e-6);
+  EXPECT_NEAR(overburden.on({20.25, 10.25, 2}, 0.5).stress, 1000 * g * (3 + 30 - 0.5 * 20.25 - 5), 1e-6);
+}
+
 }  // namespace talus::overburden_test

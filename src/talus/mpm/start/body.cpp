@@ -60,7 +60,7 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
     const auto state =
         state_at_rest(law,
                       initial_state(case_, spec, overburden.on(points[i], width_at_start(spec, volumes[i], Dim)).stress,
-                                    slope_under(spec, points[i])),
+                                    overburden.slope_above(spec, points[i])),
                       spec);
     if (const auto* reason = std::get_if<std::string>(&state))
       throw InputError("body `" + spec.name + "` cannot rest under its initial stress: " + *reason);

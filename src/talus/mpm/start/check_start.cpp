@@ -35,6 +35,8 @@ Box bounding_box_of(const Solid& solid, const Case& case_) {
         } else if constexpr (std::same_as<Shape, Sphere>) {
           const Vec<3> r{s.radius, s.radius, s.radius};
           return {s.centre - r, s.centre + r};
+        } else if constexpr (std::same_as<Shape, Mesh>) {
+          return {s.surface->low(), s.surface->high()};
         } else {
           return bounding_box(s, case_.dim);
         }

@@ -19,6 +19,33 @@ double bulk_density(const Material& material, const BodySpec& body) {
       material.law);
 }
 
+namespace {
+
+/// How the thickness of a layer grows along an axis: the slope of the plane that fits it best in a square of two cells on
+/// either side, so that steps between the pixels of a map do not show. 0 where the layer does not fill the square, since
+/// an edge is no slope.
+PlanRaster thickening(const PlanRaster& thickness, double cell, int axis) {
+  PlanRaster growth = thickness;
+  const int n = std::max(1, int(std::lround(2 * cell / thickness.pixel)));
+  for (int row = 0; row < thickness.rows; ++row)
+    for (int column = 0; column < thickness.columns; ++column) {
+      double moment = 0, squares = 0;
+      bool is_full = true;
+      for (int j = -n; j <= n && is_full; ++j)
+        for (int i = -n; i <= n && is_full; ++i) {
+          is_full = thickness.has(column + i, row + j) && thickness.at(column + i, row + j) > 0;
+          if (!is_full) break;
+          const double way = (axis == 0 ? i : j) * thickness.pixel;
+          moment += way * thickness.at(column + i, row + j);
+          squares += way * way;
+        }
+      growth.at(column, row) = is_full ? moment / squares : 0;
+    }
+  return growth;
+}
+
+}  // namespace
+
 Overburden::Overburden(const Case& case_) : dim_(case_.dim) {
   for (const BodySpec& body : case_.bodies) {
     const double weight = -bulk_density(case_.materials[body.material], body) * case_.gravity[dim_ - 1];
@@ -28,6 +55,10 @@ Overburden::Overburden(const Case& case_) : dim_(case_.dim) {
       for (const double v : list->volumes) layer.columns.width = std::max(layer.columns.width, std::pow(v, 1.0 / dim_));
       for (std::size_t i = 0; i < list->places.size(); ++i)
         layer.columns.points[layer.columns.column_of(list->places[i][0], across(list->places[i]))].push_back(i);
+    }
+    if (const auto* on_ground = std::get_if<SurfaceLayer>(&body.region)) {
+      layer.thickening_x = thickening(on_ground->thickness, case_.cell, 0);
+      layer.thickening_y = thickening(on_ground->thickness, case_.cell, 1);
     }
     layers_.push_back(std::move(layer));
   }
@@ -67,11 +98,23 @@ double Overburden::thickness(const PointList& list, const Columns& columns, cons
   return volume / std::pow(width, up);
 }
 
-Vec<2> slope_under(const BodySpec& body, const Vec<3>& x) {
-  const auto* layer = std::get_if<SurfaceLayer>(&body.region);
-  if (!layer) return {};
-  const TerrainPlace place = layer->base->at(x[0], x[1]);
-  return {place.dx, place.dy};
+Vec<2> Overburden::slope_above(const BodySpec& body, const Vec<3>& x) const {
+  Vec<2> slope{};
+  if (!std::holds_alternative<SurfaceLayer>(body.region)) return slope;
+  double highest = -INFINITY;
+  for (const Layer& layer : layers_) {
+    const auto* on_ground = std::get_if<SurfaceLayer>(layer.region);
+    if (!on_ground) continue;
+    const PlanRaster& t = on_ground->thickness;
+    const int column = t.column_of(x[0]), row = t.row_of(x[1]);
+    if (!t.has(column, row) || !(t.at(column, row) > 0)) continue;
+    const TerrainPlace base = on_ground->base->at(x[0], x[1]);
+    const double surface = base.height + t.at(column, row);
+    if (surface <= highest) continue;
+    highest = surface;
+    slope = {base.dx + layer.thickening_x.at(column, row), base.dy + layer.thickening_y.at(column, row)};
+  }
+  return slope;
 }
 
 InitialState initial_state(const Case& case_, const BodySpec& body, double load, const Vec<2>& slope) {

@@ -31,6 +31,10 @@ class Overburden {
   /// which are cubes, the mean over its width.
   Load on(const Vec<3>& x, double width) const;
 
+  /// How the surface above a place of a body that lies on ground slopes along x and y: that of the highest layer there.
+  /// 0 for other bodies, which have no slope.
+  Vec<2> slope_above(const BodySpec& body, const Vec<3>& x) const;
+
  private:
   /// Listed points by columns of the ground, as wide as the widest of them.
   struct Columns {
@@ -44,6 +48,7 @@ class Overburden {
     const Region* region;
     double weight;  ///< per volume [N/m3]
     Columns columns;
+    PlanRaster thickening_x{}, thickening_y{};  ///< of a layer on ground: how its thickness grows along x and y
   };
   double across(const Vec<3>& x) const { return dim_ == 3 ? x[1] : 0; }
   double thickness(const PointList& list, const Columns& columns, const Vec<3>& x, double width) const;
@@ -52,13 +57,10 @@ class Overburden {
   std::vector<Layer> layers_;
 };
 
-/// The slope of the ground under a place of a body that lies on it; 0 of other bodies.
-Vec<2> slope_under(const BodySpec& body, const Vec<3>& x);
-
-/// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, or on ground of
-/// some `slope`, the shear stress that holds a layer of even thickness. On a slope nothing changes along it, so that the
-/// stress on planes parallel to it is the weight above, s.n = -load n_z e_z; horizontal stress K0 times the load and this
-/// give the rest.
+/// What a particle starts from. With `k0` under a load [Pa]: K0 times it across, and where gravity leans, or under a
+/// surface of some `slope`, the shear stress that holds it. Along a slope nothing changes, so that the stress on planes
+/// parallel to the surface is the weight above, s.n = -load n_z e_z; horizontal stress K0 times the load and this give the
+/// rest. Under a plane surface that is balance everywhere, whatever the ground below is like.
 InitialState initial_state(const Case& case_, const BodySpec& body, double load, const Vec<2>& slope = {});
 
 /// Speed of compression waves there [m/s]; or why nothing can rest there.

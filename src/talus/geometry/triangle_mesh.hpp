@@ -1,0 +1,76 @@
+#pragma once
+/// Surfaces of triangles: how far a point is from one, and on which side of it.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "talus/math/vec.hpp"
+
+namespace talus {
+
+/// A surface of plane triangles in space, which may enclose a body. Lengths in m.
+///
+/// The side of the surface that a point is on is told by the normal of the nearest feature: that of a triangle, of an
+/// edge (the mean of its two triangles) or of a corner (weighted with the angles around it). With these the sign is
+/// exact (Baerentzen and Aanaes 2005, IEEE Trans. Vis. Comput. Graph. 11:243). A tree of boxes finds the nearest; of
+/// triangles equally near the first counts, so that results do not depend on the tree.
+class TriangleMesh {
+ public:
+  /// From the corners of triangles, three each, counterclockwise as seen from outside. Equal corners are one; triangles
+  /// of which two corners are one are left out.
+  explicit TriangleMesh(const std::vector<Vec<3>>& corners_of_triangles);
+
+  const std::vector<Vec<3>>& corners() const { return corners_; }
+  /// The numbers of their corners.
+  const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
+  /// Triangles that were left out.
+  long left_out() const { return left_out_; }
+  /// The smallest box around it.
+  const Vec<3>& low() const { return low_; }
+  const Vec<3>& high() const { return high_; }
+
+  /// Why it does not enclose a body, in words; empty if it does. A closed surface may cross itself: that is not looked
+  /// for.
+  std::string fault() const;
+  /// Enclosed [m3]; negative if the triangles show their inner side.
+  double volume() const;
+  /// Makes the outer side the inner one.
+  void turn_round();
+
+  struct Place {
+    double distance;  ///< to the surface; negative on its inner side
+    Vec<3> normal;    ///< of the nearest place, of unit length, outwards; beside an edge or a corner, away from it
+  };
+  Place nearest(const Vec<3>& x) const;
+
+  /// The heights at which an upright line meets the surface, from below; one where triangles meet.
+  std::vector<double> heights_at(double x, double y) const;
+
+  /// How thick the body is: measured inwards from the middles of its triangles, each of which stands for its area. The
+  /// thinnest twentieth of the area does not count, because every sharp edge is thin.
+  double thickness() const;
+
+  bool operator==(const TriangleMesh& o) const { return corners_ == o.corners_ && triangles_ == o.triangles_; }
+
+ private:
+  struct Node {
+    Vec<3> low, high;
+    int first, count;  ///< of the triangles in `order_`; count 0: two nodes, `first` and the next
+  };
+  void find_normals();
+  void build_tree();
+  double first_hit(const Vec<3>& from, const Vec<3>& direction, int except) const;
+
+  std::vector<Vec<3>> corners_;
+  std::vector<std::array<int, 3>> triangles_;
+  long left_out_ = 0;
+  Vec<3> low_{}, high_{};
+  std::vector<Vec<3>> normals_;                      ///< of triangles; 0 of those without area
+  std::vector<std::array<Vec<3>, 3>> edge_normals_;  ///< of the edge from each corner to the next
+  std::vector<Vec<3>> corner_normals_;
+  std::vector<Node> tree_;
+  std::vector<int> order_;  ///< of the triangles in the tree
+};
+
+}  // namespace talus
