@@ -37,7 +37,7 @@ TEST_F(ALandslide, LeavesMapsThatHoldAllOfItsVolume) {
   EXPECT_LT(speed, std::sqrt(2 * 9.81 * 150));  // of a free fall by the slope's height
   int n = 0;
   for (const auto& entry : fs::directory_iterator(folder_ / "out" / "maps")) n += entry.path().extension() == ".asc";
-  EXPECT_EQ(n, 8);  // six of the whole run, thickness and speed at the one instant of a picture
+  EXPECT_EQ(n, 9);  // seven of the whole run, thickness and speed at the one instant of a picture
   EXPECT_TRUE(has(contents(folder_ / "out" / "report.html"), "area where flow has been"));
 }
 
@@ -51,7 +51,7 @@ TEST_F(ALandslide, StoppedAndResumedHasTheSameMaps) {
       EXPECT_EQ(contents(entry.path()), contents(folder_ / "parts" / "maps" / entry.path().filename())) << entry;
       ++n;
     }
-  EXPECT_EQ(n, 8);
+  EXPECT_EQ(n, 9);
 }
 
 TEST_F(ALandslide, IsNotResumedOnOtherGround) {

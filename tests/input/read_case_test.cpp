@@ -408,8 +408,8 @@ motion = { velocity = ["0 m/s", "1 m/s"], rotation = { centre = ["42 mm", "60 mm
 TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
   const std::string rough = "\ncontact = \"no_slip\"";
   expect_complaint_about_solid(gate, "`contact` is missing");
-  expect_complaint_about_solid("contact = \"slip\"",
-                               "must have exactly one of `half_space`, `box`, `sphere`, `cylinder` and `polygon`");
+  expect_complaint_about_solid(
+      "contact = \"slip\"", "must have exactly one of `half_space`, `box`, `sphere`, `cylinder`, `polygon` and `mesh`");
   expect_complaint_about_solid(gate + "\ncontact = \"sticky\"", "must be `slip`, `no_slip`, `friction` or `rough`");
   expect_complaint_about_solid(gate + "\ncontact = \"symmetry\"", "must be `slip`, `no_slip`, `friction` or `rough`");
   expect_complaint_about_solid(gate + rough + "\nmoton = 1", "did you mean `motion`");

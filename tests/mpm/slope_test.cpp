@@ -174,8 +174,8 @@ TEST(InfiniteSlope, SlidesWithWhatItsStrengthInShearLeavesOfGravity) {
 }
 
 TEST(InfiniteSlope, OnBedrockThatIsNotPlaneTheStartIsInBalance) {
-  // Under a plane surface, over bedrock in waves of a metre and a half: the shear of the start is that of the surface, and
-  // what moves at first is little. With the shear of the ground below it would be ten times as fast.
+  // Under a plane surface, over bedrock in waves of a metre and a half: the shear of the start is that of the surface. With
+  // the shear of the ground below, it moved 12 mm.
   const double b = 15 * degree, length = 40;
   const auto bed = [&](double x) { return -std::tan(b) * x + 1.5 * std::sin(0.25 * x); };
   Case what = strip(bed, length, soil(0, 0.6));
@@ -185,15 +185,8 @@ TEST(InfiniteSlope, OnBedrockThatIsNotPlaneTheStartIsInBalance) {
   const auto first = first_places(what);
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
-  double fastest = 0;
-  for (const double t : {0.05, 0.1, 0.2}) {
-    run_until(*s, t);
-    fastest = std::max(fastest, drift(seen_between(*s, what, first, 14, 26, 0)));
-    printf("balance %g %g\n", t, fastest);
-  }
   run_until(*s, 2);
-  printf("balance end %g %g\n", seen_between(*s, what, first, 14, 26, 0).fastest,
-         seen_between(*s, what, first, 14, 26, 0).displaced);
+  EXPECT_LT(seen_between(*s, what, first, 14, 26, 0).displaced, 0.006);
 }
 
 TEST(VerticalCut, StandsBelowTheCriticalHeightAndFailsAboveIt) {
@@ -213,12 +206,6 @@ TEST(VerticalCut, StandsBelowTheCriticalHeightAndFailsAboveIt) {
     const double then = seen_between(*s, what, first, 5, 10, 0).displaced;
     run_until(*s, 2);
     const double now = seen_between(*s, what, first, 5, 10, 0).displaced;
-    {
-      const Observation all = s->observe();
-      int at = 0; double f = 0, sum = 0;
-      for (int i = 0; i < all.n_particles(); ++i) { double v2 = 0; for (int k = 0; k < 3; ++k) v2 += value(all, "velocity", i, k) * value(all, "velocity", i, k); sum += v2; if (v2 > f) f = v2, at = i; }
-      printf("cut %g: fastest %g rms %g at %g %g %g\n", safety, std::sqrt(f), std::sqrt(sum / all.n_particles()), value(all, "position", at, 0), value(all, "position", at, 1), value(all, "position", at, 2));
-    }
     if (safety > 1) {
       EXPECT_LT(now, 0.01 * H) << safety;
       EXPECT_LT(now - then, 2e-3) << safety;
@@ -264,7 +251,10 @@ TEST(WeakSoil, SlidesOnStrongerSoil) {
   };
   run_until(*s, 1);
   const auto [below, upper] = ways();
-  printf("strata %g %g exact %g\n", below, upper, g * 0.3 * std::sin(b));
+  // The upper half of the weak soil goes with what its strength leaves, the lower sticks to the nodes of the strong one.
+  EXPECT_LT(std::abs(below), 0.02);
+  EXPECT_GT(upper, 0.4 * g * 0.3 * std::sin(b) * s->ledger().time);
+  EXPECT_LT(upper, g * 0.3 * std::sin(b) * s->ledger().time);
 }
 
 }  // namespace talus::mpm_slope_test

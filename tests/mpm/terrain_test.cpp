@@ -262,6 +262,31 @@ TEST(OnAPlane, WhatLeavesAtTheSideOfTheDomainIsInTheLedger) {
   EXPECT_LT(s->ledger().outflow.momentum[0] / mass, 2.5);
 }
 
+TEST(OnAPlane, WhatComesOntoGroundThatIsLeftOutLeavesTheRunAndIsInTheLedger) {
+  // As above, but what ends at x = 0.5 m is only what is known of the ground: of a crop by polygons.
+  Slope slope{30 * degree, 0, 2, cell, 0.3};
+  slope.way = 0.6;
+  Case case_ = slope.case_();
+  const PlanRaster heights = std::get<Ground>(case_.solids[0].shape).surface->heights();
+  std::vector<char> left_out(heights.values.size(), 0);
+  for (int row = 0; row < heights.rows; ++row)
+    for (int column = 0; column < heights.columns; ++column)
+      left_out[heights.index(column, row)] = heights.middle(column, row)[0] > 0.5;
+  case_.solids[0].shape = Ground{std::make_shared<const Terrain>(heights, 0, left_out)};
+  const auto loop = make_serial();
+  const auto s = make_simulation(case_, *loop);
+  const double mass = s->ledger().mass;
+  run_until(*s, 0.6);
+  EXPECT_GT(s->ledger().outflow.mass, 0.2 * mass);
+  EXPECT_GT(s->ledger().mass, 0.2 * mass);
+  run_until(*s, 0.8);
+  const Ledger& l = s->ledger();
+  EXPECT_EQ(s->n_particles(), 0);
+  EXPECT_NEAR(l.outflow.mass_through[unknown_ground], mass, 1e-12 * mass);
+  expect_momentum_closes(l);
+  EXPECT_LT(std::abs(l.error()), 1e-3 * l.turnover);
+}
+
 // ---- Voellmy -----------------------------------------------------------------------------------------------------
 
 TEST(Voellmy, ALayerApproachesTheTerminalSpeedOfTheInfiniteSlope) {

@@ -21,25 +21,24 @@ double bulk_density(const Material& material, const BodySpec& body) {
 
 namespace {
 
-/// How the thickness of a layer grows along an axis: the slope of the plane that fits it best in a square of two cells on
-/// either side, so that steps between the pixels of a map do not show. 0 where the layer does not fill the square, since
-/// an edge is no slope.
+/// How the thickness of a layer grows along an axis: the slope of the line that fits it best over two cells on either
+/// side, so that steps between the pixels of a map do not show. 0 where the layer does not reach so far, since an edge is
+/// no slope.
 PlanRaster thickening(const PlanRaster& thickness, double cell, int axis) {
   PlanRaster growth = thickness;
   const int n = std::max(1, int(std::lround(2 * cell / thickness.pixel)));
   for (int row = 0; row < thickness.rows; ++row)
     for (int column = 0; column < thickness.columns; ++column) {
       double moment = 0, squares = 0;
-      bool is_full = true;
-      for (int j = -n; j <= n && is_full; ++j)
-        for (int i = -n; i <= n && is_full; ++i) {
-          is_full = thickness.has(column + i, row + j) && thickness.at(column + i, row + j) > 0;
-          if (!is_full) break;
-          const double way = (axis == 0 ? i : j) * thickness.pixel;
-          moment += way * thickness.at(column + i, row + j);
-          squares += way * way;
-        }
-      growth.at(column, row) = is_full ? moment / squares : 0;
+      bool reaches = true;
+      for (int i = -n; i <= n && reaches; ++i) {
+        const int there = axis == 0 ? column + i : column, up = axis == 0 ? row : row + i;
+        reaches = thickness.has(there, up) && thickness.at(there, up) > 0;
+        if (!reaches) break;
+        moment += i * thickness.pixel * thickness.at(there, up);
+        squares += i * thickness.pixel * i * thickness.pixel;
+      }
+      growth.at(column, row) = reaches ? moment / squares : 0;
     }
   return growth;
 }
