@@ -187,6 +187,34 @@ TEST(TriangleMesh, FarAndNearNoPartOfTheTreeIsLeftOut) {
   }
 }
 
+TEST(TriangleMesh, FarOffTheDistanceIsALowerBound) {
+  const TriangleMesh box(meshes::box({0, 0, 0}, {1, 1, 1}));
+  for (const Vec<3>& x : points_in({-9, -9, -9}, {9, 9, 9}, 3000)) {
+    const double exact = nearness(SolidShape(Box{{0, 0, 0}, {1, 1, 1}}), x, 3).distance,
+                 found = box.nearest(x).distance;
+    EXPECT_LE(found, exact * (1 + 1e-14));
+    if (exact <= std::sqrt(3.0)) {
+      EXPECT_NEAR(found, exact, 1e-14);
+    }
+  }
+  // Of a slanting needle the box is much larger: far from it the bound is the box's.
+  const TriangleMesh needle(meshes::tetrahedron({0, 0, 0}, {0, 0.1, 0}, {0.1, 0, 0}, {4, 4, 4}));
+  EXPECT_LE(needle.nearest({14, 2, 2}).distance, 10);
+  EXPECT_GE(needle.nearest({14, 2, 2}).distance, 9.9);
+}
+
+TEST(TriangleMesh, AskedAgainItSaysTheSameAndAnotherAtTheSamePlaceItsOwn) {
+  TriangleMesh box(meshes::box({0, 0, 0}, {1, 1, 1})), larger(meshes::box({0, 0, 0}, {2, 2, 2}));
+  const Vec<3> x{0.5, 0.5, 1.25};
+  EXPECT_DOUBLE_EQ(box.nearest(x).distance, 0.25);
+  EXPECT_DOUBLE_EQ(larger.nearest(x).distance, -0.5);
+  EXPECT_DOUBLE_EQ(box.nearest(x).distance, 0.25);
+  box.turn_round();
+  EXPECT_DOUBLE_EQ(box.nearest(x).distance, -0.25);
+  const TriangleMesh copy = larger;
+  EXPECT_DOUBLE_EQ(copy.nearest(x).distance, -0.5);
+}
+
 TEST(TriangleMesh, MovesAndIsHollowAsOtherShapes) {
   const double turn = std::numbers::pi / 2;
   const Solid moved{"part",

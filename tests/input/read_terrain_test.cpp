@@ -315,7 +315,8 @@ TEST_F(TerrainCase, IsRefusedWithZonesThatAreWrong) {
   expect_refused(zone("polygons = \"far.geojson\"\ncontact = \"slip\""), "terrain.zone.wood.polygons",
                  "covers no pixel of the terrain");
   expect_refused(zone("polygons = \"release.geojson\""), "[terrain.zone.wood] `contact` is missing", "");
-  expect_refused(zone("contact = \"slip\""), "[terrain.zone.wood] must have exactly one of `polygons` and `raster`", "");
+  expect_refused(zone("contact = \"slip\""), "[terrain.zone.wood] must have exactly one of `polygons` and `raster`",
+                 "");
   expect_refused(zone("polygon = \"far.geojson\"\npolygons = \"release.geojson\"\ncontact = \"slip\""),
                  "terrain.zone.wood.polygon is no key of a zone", "did you mean `polygons`");
   // A raster that cannot be read is no reason to complain about zones.
@@ -610,7 +611,8 @@ TEST_F(TerrainCase, WithoutAProjectionSmallPixelsNearTheOriginLookLikeDegrees) {
   small(0.05, 0, 0);
   expect_refused(text, "terrain.raster", "look like degrees");
   write("layer.asc",
-        "ncols 4\nnrows 4\nxllcorner 0.2\nyllcorner 0.2\ncellsize 0.05\n.1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1\n");
+        "ncols 4\nnrows 4\nxllcorner 0.2\nyllcorner 0.2\ncellsize 0.05\n.1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 .1 "
+        ".1\n");
   const Case c =
       read(replaced(replaced(text, "unit = \"m\"\n", "unit = \"m\"\nprojection = \"local\"\n"), "2.5 m", "0.005 m"))
           .case_;

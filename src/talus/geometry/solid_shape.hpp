@@ -46,7 +46,8 @@ struct Nearness {
   double distance;  ///< to the surface [m]; negative inside
   Vec<3> normal;    ///< of the nearest place of the surface, of unit length, outwards
 };
-/// Of a place that is farther from a terrain than 16 of its pixels the distance is a lower bound.
+/// Of a place that is farther from a terrain than 16 of its pixels, or from the box around a mesh than that is long, the
+/// distance is a lower bound.
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
 /// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges, a mesh as

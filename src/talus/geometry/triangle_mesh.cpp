@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -98,6 +99,12 @@ TriangleMesh::TriangleMesh(const std::vector<Vec<3>>& corners_of_triangles) {
       low_[a] = std::min(low_[a], x[a]);
       high_[a] = std::max(high_[a], x[a]);
     }
+  prepare();
+}
+
+void TriangleMesh::prepare() {
+  static std::atomic<std::uint64_t> versions{0};
+  version_ = ++versions;
   find_normals();
   build_tree();
 }
@@ -233,11 +240,27 @@ double TriangleMesh::volume() const {
 
 void TriangleMesh::turn_round() {
   for (auto& t : triangles_) std::swap(t[1], t[2]);
-  find_normals();
-  build_tree();
+  prepare();
 }
 
 TriangleMesh::Place TriangleMesh::nearest(const Vec<3>& x) const {
+  Vec<3> off{};
+  for (int a = 0; a < 3; ++a) off[a] = x[a] < low_[a] ? x[a] - low_[a] : x[a] > high_[a] ? x[a] - high_[a] : 0;
+  if (const double far = length(off); far > length(high_ - low_)) return {far, (1 / far) * off};
+  // The nodes of a grid ask at the same places in every step, if the solid rests: each thread remembers what it was told.
+  struct Told {
+    std::uint64_t version = 0;
+    Vec<3> x{};
+    Place place{};
+  };
+  constexpr std::size_t most = 1 << 16;
+  static thread_local std::vector<Told> told(most);
+  Told& here = told[(HashOfPlace()(x) >> 7) % most];
+  if (here.version != version_ || !(here.x == x)) here = {version_, x, find_nearest(x)};
+  return here.place;
+}
+
+TriangleMesh::Place TriangleMesh::find_nearest(const Vec<3>& x) const {
   Foot best;
   int best_triangle = -1;
   std::array<std::pair<int, double>, 128> stack;  // a tree of halves is not as high

@@ -2,6 +2,7 @@
 /// Surfaces of triangles: how far a point is from one, and on which side of it.
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,8 @@ class TriangleMesh {
     double distance;  ///< to the surface; negative on its inner side
     Vec<3> normal;    ///< of the nearest place, of unit length, outwards; beside an edge or a corner, away from it
   };
+  /// Of a point that is farther from the box around the surface than the box is long, from corner to corner, the distance
+  /// is a lower bound.
   Place nearest(const Vec<3>& x) const;
 
   /// The heights at which an upright line meets the surface, from below; one where triangles meet.
@@ -58,8 +61,10 @@ class TriangleMesh {
     Vec<3> low, high;
     int first, count;  ///< of the triangles in `order_`; count 0: two nodes, `first` and the next
   };
+  void prepare();
   void find_normals();
   void build_tree();
+  Place find_nearest(const Vec<3>& x) const;
   double first_hit(const Vec<3>& from, const Vec<3>& direction, int except) const;
 
   std::vector<Vec<3>> corners_;
@@ -70,7 +75,8 @@ class TriangleMesh {
   std::vector<std::array<Vec<3>, 3>> edge_normals_;  ///< of the edge from each corner to the next
   std::vector<Vec<3>> corner_normals_;
   std::vector<Node> tree_;
-  std::vector<int> order_;  ///< of the triangles in the tree
+  std::vector<int> order_;     ///< of the triangles in the tree
+  std::uint64_t version_ = 0;  ///< no other surface of the program has it
 };
 
 }  // namespace talus

@@ -151,8 +151,7 @@ PlanRaster heights_from_above(Section& s, const TriangleMesh& surface, double pi
         fmt::format("{} is {:.3g} m x {:.3g} m large, which makes {:.6g} x {:.6g} pixels of {}; is "
                     "`unit` right?",
                     file, edges[0], edges[1], columns, rows, with_unit(pixel, "m")));
-  PlanRaster heights =
-      PlanRaster::of({surface.low()[0], surface.low()[1]}, pixel, int(columns), int(rows));
+  PlanRaster heights = PlanRaster::of({surface.low()[0], surface.low()[1]}, pixel, int(columns), int(rows));
   const std::size_t sheets = surface.fault().empty() ? 2 : 1;  // of a body top and bottom
   long covered = 0, several = 0;
   for (int row = 0; row < heights.rows; ++row)

@@ -500,7 +500,10 @@ class MapPage {
                     bar / height_));
     add("set cbtics font ',12' tc '#333333' scale 0.6");
     y -= bar + 26;
-    add_text(x, y, fmt::format("largest{}: {} {}", layer.both_signs ? " either way" : "", three_digits(*largest_), layer.unit), "font ',12' tc '#333333'");
+    add_text(
+        x, y,
+        fmt::format("largest{}: {} {}", layer.both_signs ? " either way" : "", three_digits(*largest_), layer.unit),
+        "font ',12' tc '#333333'");
     return y - 44;
   }
 
