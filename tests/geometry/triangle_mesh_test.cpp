@@ -181,8 +181,11 @@ TEST(TriangleMesh, FarAndNearNoPartOfTheTreeIsLeftOut) {
   const TriangleMesh whole(corners);
   for (const Vec<3>& x : points_in({-2, -2, -1}, {2, 2, 2}, 300)) {
     double least = 1e300;
-    for (std::size_t i = 0; i < corners.size(); i += 3)
-      least = std::min(least, std::abs(TriangleMesh({corners[i], corners[i + 1], corners[i + 2]}).nearest(x).distance));
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+      std::vector<Vec<3>> one(corners.begin() + long(i), corners.begin() + long(i) + 3);
+      meshes::add(one, {90, 90, 90}, {91, 90, 90}, {90, 91, 90});  // far off, so that nothing is far from their box
+      least = std::min(least, std::abs(TriangleMesh(one).nearest(x).distance));
+    }
     EXPECT_DOUBLE_EQ(std::abs(whole.nearest(x).distance), least);
   }
 }
@@ -192,7 +195,7 @@ TEST(TriangleMesh, FarOffTheDistanceIsALowerBound) {
   for (const Vec<3>& x : points_in({-9, -9, -9}, {9, 9, 9}, 3000)) {
     const double exact = nearness(SolidShape(Box{{0, 0, 0}, {1, 1, 1}}), x, 3).distance,
                  found = box.nearest(x).distance;
-    EXPECT_LE(found, exact * (1 + 1e-14));
+    EXPECT_LE(found, exact + 1e-14);
     if (exact <= std::sqrt(3.0)) {
       EXPECT_NEAR(found, exact, 1e-14);
     }
