@@ -109,6 +109,7 @@ ContactZones read_zones(Section& s, const std::string& folder, const std::option
     if (!mark(*outlines, double(found.surfaces.size()), found.number))
       z.complain("polygons", "covers no pixel of the terrain by more than half");
     found.surfaces.push_back(surface);
+    found.names.push_back(name);
   }
   return found;
 }

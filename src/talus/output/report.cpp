@@ -164,7 +164,31 @@ std::string outline_section(const Case& case_, const Outline& start, const Outli
   return section + "</table>\n";
 }
 
-std::string energy_section(const Case& case_, const Ledger& l) {
+/// Peaks of the forces on walls and solids.
+std::string forces_section(const Case& case_, const SurfaceSummary& all) {
+  if (all.surfaces.empty()) return "";
+  std::string section =
+      "<h2>Forces</h2>\n<p>Force of the material on walls and solids" +
+      std::string(case_.axisymmetric ? ", per radian"
+                  : case_.dim == 2   ? ", per metre of thickness"
+                                     : "") +
+      fmt::format(", as mean over {} (<code>output.peak_force_time</code>).</p>\n", with_unit(all.averaged_over, "s")) +
+      "<table><tr><th></th><th>peak</th><th>its normal part</th><th>its tangential part</th><th>at</th>"
+      "<th>at the end</th></tr>\n";
+  const auto newton = [](double force) { return fmt::format("<td class=\"n\">{:.4g} N</td>", force); };
+  for (const SurfaceSummary::OfSurface& s : all.surfaces) {
+    section += "<tr><td>" + escaped(s.label) + "</td>";
+    if (s.peak)
+      section += newton(length(s.peak->total)) + newton(length(s.peak->normal)) + newton(length(s.peak->tangential())) +
+                 fmt::format("<td class=\"n\">{:.4g} s</td>", s.peak->time) + newton(length(s.end->total));
+    else
+      section += "<td colspan=\"5\">the run is shorter than the averaging time</td>";
+    section += "</tr>\n";
+  }
+  return section + "</table>\n";
+}
+
+std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSummary& surfaces) {
   std::string section = "<h2>Energy</h2>\n<p><b>" + escaped(verdict_of(l)) + "</b></p>\n<p>Of " +
                         fmt::format("{:.4g} J", l.turnover) +
                         (case_.axisymmetric ? " per radian"
@@ -183,6 +207,11 @@ std::string energy_section(const Case& case_, const Ledger& l) {
   row("became heat by the bulk viscosity", l.viscous);
   row("was lost in the transfers between particles and grid", l.numerical);
   row("became heat by friction on walls and solids", l.wall_friction);
+  for (const SurfaceSummary::OfSurface& s : surfaces.surfaces)
+    if (s.friction) row(("&ensp;of it on " + escaped(s.label)).c_str(), *s.friction);
+  for (const SurfaceSummary::OfZone& zone : surfaces.zones)
+    row(("&ensp;of it in " + escaped(zone.label)).c_str(), zone.friction);
+  if (surfaces.turbulent) row("&ensp;of it by turbulent friction", *surfaces.turbulent);
   row("was work on moving solids (negative: they pushed)", l.wall_work);
   if (!case_.loads.empty()) row("was put in by loads on sides of bodies", l.load_work);
   if (has_outflow(case_)) row("left as kinetic energy of what flowed out", l.outflow.kinetic);
@@ -259,8 +288,9 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
     if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
     for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
   }
-  page << energy_section(case_, run.ledger) << noise_section(run.noise) << time_step_section(run.tally)
-       << case_section(run) << record_section(run) << "</body></html>\n";
+  page << forces_section(case_, run.surfaces) << energy_section(case_, run.ledger, run.surfaces)
+       << noise_section(run.noise) << time_step_section(run.tally) << case_section(run) << record_section(run)
+       << "</body></html>\n";
   write_whole(folder / "report.html", page.str());
 }
 
