@@ -69,7 +69,7 @@ TEST(SurfaceForces, ARowHasTheMeanSinceTheLastAndIsTheForceOfTheMaterialOnTheSur
   const auto value = [&](const std::vector<double>& row, const std::string& column) {
     return row.at(std::size_t(number_of(case_, column)));
   };
-  EXPECT_TRUE(std::isnan(value(forces.row(), "force_solid_gate_x [N]"))) << "nothing to average over";
+  EXPECT_EQ(value(forces.row(), "force_solid_gate_x [N]"), 0) << "nothing has acted yet";
   forces.follow(1, gave(case_, {-3, 1, 0}, {-3, 0, 0}));
   forces.follow(2, gave(case_, {-6, 8, 0}, {-6, 0, 0}, 5));
   std::vector<double> row = forces.row();
@@ -102,6 +102,20 @@ TEST(SurfaceForces, APeakIsTheLargestMeanOverItsTimeMovedOnByAQuarterOfIt) {
   EXPECT_NEAR(gate.peak->time, 4, 1e-12) << "the middle of 2 s to 6 s";
   EXPECT_EQ(gate.end->total, (Vec<3>{}));
   EXPECT_EQ(gate.impulse, (Vec<3>{16, 0, 0}));
+}
+
+TEST(SurfaceForces, OfAStepLongerThanTheAveragingTimeThePeakIsTheForceInIt) {
+  // 30 N s in 15 s: 2 N. Then nothing for 15 s.
+  Case case_ = with_gate();
+  case_.output.peak_force_time = 4.4;
+  SurfaceForces forces(case_);
+  forces.follow(15, gave(case_, {-30, 0, 0}, {-30, 0, 0}));
+  forces.follow(30, gave(case_, {-30, 0, 0}, {-30, 0, 0}));
+  const SurfaceSummary::OfSurface gate = forces.summary().surfaces[0];
+  ASSERT_TRUE(gate.peak);
+  EXPECT_NEAR(gate.peak->total[0], 2, 1e-12);
+  EXPECT_NEAR(gate.peak->time, 14.3 - 2.2, 1e-12) << "ends with the 13th part of 1.1 s";
+  EXPECT_EQ(gate.end->total, (Vec<3>{}));
 }
 
 TEST(SurfaceForces, GoOnFromAStateAsIfThereHadBeenNoStop) {

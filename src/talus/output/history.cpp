@@ -213,8 +213,10 @@ Chart chart_of_forces(const History& history) {
   constexpr std::string_view begin = "force_", end = "_normal [N]";
   for (std::size_t i = 0; i < history.columns().size(); ++i) {
     const std::string& name = history.columns()[i];
-    if (name.starts_with(begin) && name.ends_with(end))
-      forces.curves.push_back({int(i) + 1, name.substr(begin.size(), name.size() - begin.size() - end.size())});
+    if (!name.starts_with(begin) || !name.ends_with(end)) continue;
+    std::string surface = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    if (const auto kind = surface.find('_'); kind != std::string::npos) surface[kind] = ' ';  // solid_gate
+    forces.curves.push_back({int(i) + 1, std::move(surface)});
   }
   return forces;
 }

@@ -167,25 +167,40 @@ std::string outline_section(const Case& case_, const Outline& start, const Outli
 /// Peaks of the forces on walls and solids.
 std::string forces_section(const Case& case_, const SurfaceSummary& all) {
   if (all.surfaces.empty()) return "";
-  std::string section =
-      "<h2>Forces</h2>\n<p>Force of the material on walls and solids" +
-      std::string(case_.axisymmetric ? ", per radian"
-                  : case_.dim == 2   ? ", per metre of thickness"
-                                     : "") +
-      fmt::format(", as mean over {} (<code>output.peak_force_time</code>).</p>\n", with_unit(all.averaged_over, "s")) +
-      "<table><tr><th></th><th>peak</th><th>its normal part</th><th>its tangential part</th><th>at</th>"
-      "<th>at the end</th></tr>\n";
-  const auto newton = [](double force) { return fmt::format("<td class=\"n\">{:.4g} N</td>", force); };
+  std::string section = fmt::format(
+      "<h2>Forces</h2>\n<p>Force of the material on walls and solids{}, as mean over {:.3g} s "
+      "(<code>output.peak_force_time</code>).</p>\n<table><tr><th></th><th>peak</th><th>its normal part</th>"
+      "<th>its tangential part</th><th>at</th><th>at the end</th></tr>\n",
+      case_.axisymmetric ? ", per radian"
+      : case_.dim == 2   ? ", per metre of thickness"
+                         : "",
+      all.averaged_over);
   for (const SurfaceSummary::OfSurface& s : all.surfaces) {
     section += "<tr><td>" + escaped(s.label) + "</td>";
-    if (s.peak)
-      section += newton(length(s.peak->total)) + newton(length(s.peak->normal)) + newton(length(s.peak->tangential())) +
+    if (s.peak) {
+      const double peak = length(s.peak->total);
+      const auto newton = [&](double force) {  // 0 for what is left by rounding
+        return fmt::format("<td class=\"n\">{:.4g} N</td>", force > 1e-9 * peak ? force : 0);
+      };
+      section += newton(peak) + newton(length(s.peak->normal)) + newton(length(s.peak->tangential())) +
                  fmt::format("<td class=\"n\">{:.4g} s</td>", s.peak->time) + newton(length(s.end->total));
-    else
+    } else {
       section += "<td colspan=\"5\">the run is shorter than the averaging time</td>";
+    }
     section += "</tr>\n";
   }
   return section + "</table>\n";
+}
+
+/// Where the heat of friction on walls and solids went, if there are several places, and what of it was turbulent.
+std::vector<std::pair<std::string, double>> parts_of_friction(const SurfaceSummary& all) {
+  std::vector<std::pair<std::string, double>> parts;
+  for (const SurfaceSummary::OfSurface& s : all.surfaces)
+    if (s.friction) parts.emplace_back("on " + escaped(s.label), *s.friction);
+  for (const SurfaceSummary::OfZone& zone : all.zones) parts.emplace_back("in " + escaped(zone.label), zone.friction);
+  if (parts.size() == 1) parts.clear();
+  if (all.turbulent) parts.emplace_back("by turbulent friction", *all.turbulent);
+  return parts;
 }
 
 std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSummary& surfaces) {
@@ -207,11 +222,7 @@ std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSumm
   row("became heat by the bulk viscosity", l.viscous);
   row("was lost in the transfers between particles and grid", l.numerical);
   row("became heat by friction on walls and solids", l.wall_friction);
-  for (const SurfaceSummary::OfSurface& s : surfaces.surfaces)
-    if (s.friction) row(("&ensp;of it on " + escaped(s.label)).c_str(), *s.friction);
-  for (const SurfaceSummary::OfZone& zone : surfaces.zones)
-    row(("&ensp;of it in " + escaped(zone.label)).c_str(), zone.friction);
-  if (surfaces.turbulent) row("&ensp;of it by turbulent friction", *surfaces.turbulent);
+  for (const auto& [where, joule] : parts_of_friction(surfaces)) row(("&ensp;of it " + where).c_str(), joule);
   row("was work on moving solids (negative: they pushed)", l.wall_work);
   if (!case_.loads.empty()) row("was put in by loads on sides of bodies", l.load_work);
   if (has_outflow(case_)) row("left as kinetic energy of what flowed out", l.outflow.kinetic);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <cmath>
 #include <stdexcept>
 
 #include "talus/base/image.hpp"
@@ -130,24 +130,30 @@ void SurfaceForces::follow(double time, const std::vector<SurfaceAccount>& accou
   if (!(time > clock_.now) || tracks_.empty()) return;
   std::vector<Given> next;
   for (const NamedSurface& s : surfaces_) next.push_back(given_by(s));
-  const double part = averaged_over_ / n_parts;
-  while (part > 0 && (clock_.n_parts_done + 1) * part <= time)
-    finish_part(((clock_.n_parts_done + 1) * part - clock_.now) / (time - clock_.now), next);
+  finish_parts(time, next);
   for (std::size_t i = 0; i < tracks_.size(); ++i) tracks_[i].now = next[i];
   clock_.now = time;
 }
 
-/// A part of the averaging time ends within a step, after a share of it; in a step impulses grow evenly.
-void SurfaceForces::finish_part(double share, const std::vector<Given>& next) {
-  clock_.n_parts_done += 1;
-  const auto place = std::size_t(long(clock_.n_parts_done) % (n_parts + 1));
-  for (std::size_t i = 0; i < tracks_.size(); ++i) {
-    Track& track = tracks_[i];
-    track.samples[place].impulse = track.now.impulse + share * (next[i].impulse - track.now.impulse);
-    track.samples[place].normal = track.now.normal + share * (next[i].normal - track.now.normal);
-    if (clock_.n_parts_done < n_parts) continue;
-    const SurfaceForce mean = mean_of_last_parts(track);
-    if (clock_.n_parts_done == n_parts || length(mean.total) > length(track.peak.total)) track.peak = mean;
+/// Of parts of the averaging time that end within a step; in a step impulses grow evenly. Of a step longer than the
+/// averaging time the last parts say all.
+void SurfaceForces::finish_parts(double time, const std::vector<Given>& next) {
+  if (!(averaged_over_ > 0)) return;
+  const double part = averaged_over_ / n_parts, last = std::floor(time / part), before = clock_.n_parts_done;
+  const double first = std::max(before + 1, last - n_parts);
+  for (double n = first; n <= last; ++n) {
+    const double share = std::max(0.0, (n * part - clock_.now) / (time - clock_.now));
+    const bool is_whole = n >= n_parts && (first == before + 1 || n == last);
+    clock_.n_parts_done = n;
+    for (std::size_t i = 0; i < tracks_.size(); ++i) {
+      Track& track = tracks_[i];
+      Given& sample = track.samples[std::size_t(long(n) % (n_parts + 1))];
+      sample.impulse = track.now.impulse + share * (next[i].impulse - track.now.impulse);
+      sample.normal = track.now.normal + share * (next[i].normal - track.now.normal);
+      if (!is_whole) continue;
+      const SurfaceForce mean = mean_of_last_parts(track);
+      if (track.peak.time == 0 || length(mean.total) > length(track.peak.total)) track.peak = mean;
+    }
   }
 }
 
@@ -162,7 +168,7 @@ SurfaceForce SurfaceForces::mean_of_last_parts(const Track& track) const {
 std::vector<double> SurfaceForces::row() {
   std::vector<double> values;
   const double interval = clock_.now - clock_.at_row;
-  const double per_time = interval > 0 ? 1 / interval : std::numeric_limits<double>::quiet_NaN();
+  const double per_time = interval > 0 ? 1 / interval : 0;
   for (std::size_t i = 0; i < tracks_.size(); ++i) {
     Track& track = tracks_[i];
     track.now = given_by(surfaces_[i]);

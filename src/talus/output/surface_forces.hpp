@@ -67,7 +67,7 @@ class SurfaceForces {
 
   /// Takes over the accounts at an instant; to be called after every step.
   void follow(double time, const std::vector<SurfaceAccount>& accounts);
-  /// Values of the columns: mean forces since the last row, NaN in the first, and friction since the start.
+  /// Values of the columns: mean forces since the last row, 0 in the first, and friction since the start.
   std::vector<double> row();
   SurfaceSummary summary() const;
   std::vector<double> state() const;
@@ -91,7 +91,7 @@ class SurfaceForces {
   };
 
   Given given_by(const NamedSurface& surface) const;
-  void finish_part(double share, const std::vector<Given>& next);
+  void finish_parts(double time, const std::vector<Given>& next);
   SurfaceForce mean_of_last_parts(const Track& track) const;
 
   int dim_;

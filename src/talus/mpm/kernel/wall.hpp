@@ -87,17 +87,21 @@ struct Mirrors {
   TALUS_HD void share_out(const TilePlace<Dim>& tile, int node, Quad gain, bool with_originals,
                           Vec<3>* of_sides) const {
     const Index<Dim> i = global_node<Dim>(tile, node);
-    const bool image = is_image(tile, node);
-    bool acts[2 * Dim] = {};
-    bool any = false;
+    bool image = false, any = false, acts[2 * Dim] = {};
+    for (int k = 0; k < n; ++k) {
+      const Mirror& m = mirrors[k];
+      const int at = i[m.axis];
+      image |= at == m.image;
+      any |= at == m.image || at == m.wall || (with_originals && at == m.original);
+    }
+    if (!any) return;
     for (int k = 0; k < n; ++k) {
       const Mirror& m = mirrors[k];
       const int at = i[m.axis];
       acts[k] = !m.continues &&
                 (with_originals ? at == m.image || at == m.wall || at == m.original : at == (image ? m.image : m.wall));
-      any |= acts[k];
     }
-    for (int a = 0; a < 3 && any; ++a) {
+    for (int a = 0; a < 3; ++a) {
       int across = -1, n_along = 0, first = -1;
       for (int k = 0; k < n; ++k) {
         if (!acts[k]) continue;
