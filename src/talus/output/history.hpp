@@ -42,7 +42,7 @@ class History : public GrowingTable {
  public:
   History(const std::filesystem::path& file, const Case& case_, long bytes = 0);
   /// `of_surfaces`: what SurfaceForces::row returned.
-  void add(const Ledger& ledger, const Outline& outline, const std::vector<double>& of_surfaces = {});
+  void add(const Ledger& ledger, const Outline& outline, const std::vector<double>& of_surfaces);
 
  private:
   std::vector<double (*)(const Ledger&, const Outline&)> values_;  ///< of the columns
