@@ -117,6 +117,31 @@ struct Mirrors {
           of_sides[side_of(mirrors[k])][a] += gain[a] / (across >= 0 ? 1 : n_along);
     }
   }
+  /// The same for all nodes of a tile. Most tiles meet one wall at most.
+  TALUS_HD void share_out(const TilePlace<Dim>& tile, const Quad* gains, Vec<3>* of_sides) const {
+    int met = -1, n_met = 0;
+    for (int k = 0; k < n; ++k) {
+      const int first = tile_edge * tile[mirrors[k].axis];
+      const auto is_here = [&](int at) { return at >= first && at < first + tile_edge; };
+      if (mirrors[k].continues || !(is_here(mirrors[k].wall) || is_here(mirrors[k].image))) continue;
+      met = k;
+      ++n_met;
+    }
+    if (n_met == 0) return;
+    if (n_met > 1) {
+      for (int i = 0; i < power(tile_edge, Dim); ++i) share_out(tile, i, gains[i], false, of_sides);
+      return;
+    }
+    const Mirror& m = mirrors[met];
+    const int first = tile_edge * tile[m.axis];
+    Quad sum(0.0);
+    for (int i = 0; i < power(tile_edge, Dim); ++i) {
+      const int at = unflatten<Dim>(i, tile_edge)[m.axis] + first;
+      if (at == m.wall || at == m.image) sum += gains[i];
+    }
+    for (int a = 0; a < 3; ++a)
+      if (m.factors[a] < 0) of_sides[side_of(m)][a] += sum[a];
+  }
   TALUS_HD static int side_of(const Mirror& m) { return 2 * m.axis + (m.image > m.wall ? 1 : 0); }
 };
 
@@ -229,16 +254,16 @@ template <int Dim, NodeOfFour Received, NodeOfFour Node>
 TALUS_HD Vec<3> gain_from_walls(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
                                 const MassVelocity* velocity, const Received* received, const Node* nodal,
                                 Quad everywhere, Vec<3>* of_sides = nullptr) {
-  Quad gained(0.0);
+  Quad gained(0.0), gains[power(tile_edge, Dim)];
   for (int i = 0; i < power(tile_edge, Dim); ++i) {
     const Quad mass(velocity[i].mass);
     const bool image = near_wall && walls.is_image(tile, i);
     const Quad from_points = image ? load_node(received[i]) : load_node(received[i]) + mass * everywhere;
     const Quad share = near_wall ? walls.gained_from_walls(tile, i) : Quad(1.0);
-    const Quad gain = share * (mass * load_node(nodal[i]) - from_points);
-    gained += gain;
-    if (near_wall && of_sides) walls.share_out(tile, i, gain, false, of_sides);
+    gains[i] = share * (mass * load_node(nodal[i]) - from_points);
+    gained += gains[i];
   }
+  if (near_wall && of_sides) walls.share_out(tile, gains, of_sides);
   return vector_of(gained);
 }
 
