@@ -262,7 +262,7 @@ Case landslide() {
   open_ground.xi = 500;
   forest.xi = 400;
   Solid ground{"terrain", Ground{read.map->ground}, open_ground};
-  ground.zones = {read.solids.at(0).zones.number, {forest}};
+  ground.zones = {read.solids.at(0).zones.number, {forest}, {"forest"}};
   c.solids = {ground};
   MohrCoulomb law{};
   law.E = pa("10 MPa");

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "backend/split_backend.hpp"
+#include "mpm/accounts.hpp"
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
@@ -234,6 +235,17 @@ TEST(OnAPlane, EveryZoneHasItsOwnFriction) {
         g * (std::sin(slope.inclination) - (body == 0 ? 0.1 : 0.3) * std::cos(slope.inclination)) * s->ledger().time;
     EXPECT_NEAR(speed[body] / n[body], gained, 0.01 * gained) << body;
   }
+  // Its heat is told apart: mu m g cos b over the way a t^2/2, that of the zone and that outside.
+  expect_accounts_add_up(*s);
+  const AccountNumbers numbers(case_.solids, 3);
+  for (const int zone : {-1, 0}) {
+    const double mu = zone < 0 ? 0.1 : 0.3, cosine = std::cos(slope.inclination), t = s->ledger().time;
+    const double way = 0.5 * g * (std::sin(slope.inclination) - mu * cosine) * t * t;
+    const double heat = mu * 0.5 * s->ledger().mass * g * cosine * way;
+    const SurfaceAccount& account = s->surfaces().at(std::size_t(numbers.of_zone(0, zone)));
+    EXPECT_NEAR(account.friction, heat, 0.03 * heat) << zone;
+    EXPECT_EQ(account.turbulent, 0);
+  }
 }
 
 TEST(OnAPlane, WhatLeavesAtTheSideOfTheDomainIsInTheLedger) {
@@ -314,6 +326,14 @@ TEST(Voellmy, ALayerApproachesTheTerminalSpeedOfTheInfiniteSlope) {
       EXPECT_NEAR(v, v_inf * std::tanh(a * s->ledger().time / v_inf), 0.02 * v) << share;
     }
     expect_momentum_closes(s->ledger());
+    expect_accounts_add_up(*s);
+    // At the terminal speed friction is rho g H sin b; Coulomb's part of it, and of its heat, is mu cot b, whatever the
+    // speed is. At 0.97 of it and above the drag is 6 % less at most.
+    const SurfaceAccount before = s->surfaces()[0];
+    run_until(*s, s->ledger().time + 0.05);
+    const SurfaceAccount& now = s->surfaces()[0];
+    const double turbulent = 1 - with_room.surface.friction / std::tan(with_room.inclination);
+    EXPECT_NEAR((now.turbulent - before.turbulent) / (now.friction - before.friction), turbulent, 0.04 * turbulent);
   }
 }
 
@@ -443,10 +463,11 @@ Case avalanche() {
 struct Result {
   std::vector<double> ledger;
   std::map<std::string, std::vector<double>> fields;
+  std::vector<SurfaceAccount> surfaces;
   bool operator==(const Result&) const = default;
 };
 Result result_of(Simulation& s) {
-  Result out{image_of(s.ledger()), {}};
+  Result out{image_of(s.ledger()), {}, s.surfaces()};
   for (const Field& f : s.observe().fields) out.fields[f.name] = f.values;
   return out;
 }
@@ -454,6 +475,7 @@ constexpr int n_steps = 120;
 Result after_steps(const Case& case_, Backend& backend) {
   const auto s = make_simulation(case_, backend);
   for (int i = 0; i < n_steps; ++i) s->step();
+  expect_accounts_add_up(*s);
   return result_of(*s);
 }
 

@@ -58,6 +58,9 @@ TEST_F(HistoryFile, EnergyThatFlowsOutAndWorkOfLoadsAreDrawnWhereThereAreAny) {
   case_.loads.emplace_back();
   case_.walls[1].kind = WallKind::outflow;
   EXPECT_EQ(charts_for(case_), (Names{"front 2", "height 2", "outflow 2", "energy 12", "step 1", "separated 1"}));
+  case_.walls[2] = WallKind::slip;
+  case_.solids = {{"gate", Box{}, WallKind::slip}};
+  EXPECT_EQ(charts_for(case_)[2], "forces 2") << "of the gate, and of the floor";
 }
 
 }  // namespace talus::history_test

@@ -1,8 +1,11 @@
 #include "talus/output/record.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include <fstream>
 
 #include "folder_of_its_own.hpp"
+#include "talus/base/file.hpp"
 
 namespace talus::record_test {
 
@@ -33,6 +36,27 @@ TEST_F(Record, RunsThatStoppedOrFailedAreNotFinished) {
   run.failure = "a particle has left";
   record(run);
   EXPECT_FALSE(finished());
+}
+
+TEST_F(Record, HoldsThePeaksOfForcesAndThePartsOfFriction) {
+  RunSummary run;
+  run.surfaces.averaged_over = 0.01;
+  run.surfaces.surfaces = {
+      {"solid_gate", "solid gate", {5, 0, 0}, SurfaceForce{{3, -4, 0}, {3, 0, 0}, 0.2}, SurfaceForce{}, 7},
+      {"wall_x_min", "wall x_min", {}, {}, {}, {}}};
+  run.surfaces.zones = {{"zone_forest", "zone forest", 2}};
+  run.surfaces.turbulent = 1;
+  record(run);
+  const auto json = nlohmann::json::parse(contents_of(folder_ / "record.json"));
+  EXPECT_EQ(json["forces"]["averaged_over_seconds"], 0.01);
+  const auto& gate = json["forces"]["solid_gate"];
+  EXPECT_EQ(gate["impulse_newton_second"], (std::vector<double>{5, 0, 0}));
+  EXPECT_EQ(gate["peak"]["force_newton"], (std::vector<double>{3, -4, 0}));
+  EXPECT_EQ(gate["peak"]["normal_newton"], 3);
+  EXPECT_EQ(gate["peak"]["tangential_newton"], 4);
+  EXPECT_EQ(gate["peak"]["seconds"], 0.2);
+  EXPECT_TRUE(json["forces"]["wall_x_min"]["peak"].is_null()) << "the run was shorter than 0.01 s";
+  EXPECT_EQ(json["wall_friction_joule"], (nlohmann::json{{"solid_gate", 7}, {"zone_forest", 2}, {"turbulent", 1}}));
 }
 
 TEST_F(Record, ResultsWithoutTheirCurvesAreNotFinished) {

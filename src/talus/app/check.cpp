@@ -19,6 +19,7 @@
 #include "talus/output/picture.hpp"
 #include "talus/output/plot.hpp"
 #include "talus/output/snapshot.hpp"
+#include "talus/output/surface_forces.hpp"
 #include "talus/output/terrain_maps.hpp"
 
 namespace talus {
@@ -69,13 +70,15 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
   OutputTimes times{};
   const OutlineFinder outlines(case_, simulation.places());
   History history(folder / "history.csv", case_);
-  times.row = mean_time([&] { history.add(simulation.ledger(), outlines.find(simulation.places())); });
+  SurfaceForces forces(case_);
+  times.row = mean_time([&] { history.add(simulation.ledger(), outlines.find(simulation.places()), forces.row()); });
   Observation seen;
   times.snapshot = mean_time([&] {
     seen = simulation.observe();
     write_snapshot(folder / "particles.hdf", seen, *case_.output.fields);
   });
-  history.add(simulation.ledger(), outlines.find(simulation.places()));  // a curve has two points at least
+  history.add(simulation.ledger(), outlines.find(simulation.places()),
+              forces.row());  // a curve has two points at least
   PictureBook pictures(folder / "pictures", case_);
   const auto draw_one_more = [&] {
     pictures.add(seen);

@@ -42,6 +42,7 @@ Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outli
       pictures_(task.folder / "pictures", task.input.case_, so_far_.instants),
       noise_(task.input.case_, so_far_.pressure_noise),
       maps_(task.folder / "maps", task.input.case_, task.case_text, so_far_.maps),
+      forces_(task.input.case_, so_far_.forces),
       stop_below_(task.input.case_.stop_below),
       stop_after_(time_of_fall(task.input.case_)),
       picture_times_(*task.input.case_.output.pictures),
@@ -70,6 +71,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   const double t = simulation.ledger().time;
   so_far_.peak_kinetic = std::max(so_far_.peak_kinetic, simulation.ledger().kinetic);
   if (simulation.ledger().kinetic >= stop_below_ * so_far_.peak_kinetic) so_far_.last_flow = t;
+  forces_.follow(t, simulation.surfaces());
   if (maps_.due(t)) maps_.add(t, simulation.flow());
   if (noise_.due(t)) noise_.add(t, simulation.pressures());
   const bool picture = picture_is_due(t);
@@ -77,7 +79,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   const bool row = so_far_.next_row.due(t) || (is_end && so_far_.next_row.last != t);
   if (row || snapshot) {
     const Outline outline = outlines_.find(simulation.places());
-    if (row) history_.add(simulation.ledger(), outline);
+    if (row) history_.add(simulation.ledger(), outline, forces_.row());
     if (snapshot) surfaces_.add(t, outline.surface);
   }
   if (!snapshot && !picture) return;
@@ -106,6 +108,7 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   for (int i = int(so_far_.instants.size()); i < int(pictures_.times().size()); ++i) put_on_disk(pictures_.instant(i));
   so_far_.pressure_noise = noise_.state();
   so_far_.maps = maps_.state();
+  so_far_.forces = forces_.state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
   checkpoints_.write(so_far_, simulation);

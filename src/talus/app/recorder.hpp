@@ -13,6 +13,7 @@
 #include "talus/output/picture.hpp"
 #include "talus/output/pressure_noise.hpp"
 #include "talus/output/snapshot.hpp"
+#include "talus/output/surface_forces.hpp"
 #include "talus/output/terrain_maps.hpp"
 
 namespace talus {
@@ -52,6 +53,7 @@ class Recorder {
   const History& history() const { return history_; }
   const PictureBook& pictures() const { return pictures_; }
   const PressureNoise& noise() const { return noise_; }
+  const SurfaceForces& forces() const { return forces_; }
   TerrainMaps& maps() { return maps_; }
   /// Whether kinetic energy has been below the share of its peak at which the run is over, for as long as things take to
   /// fall by the height of the bodies: ground that settles bounces before it flows.
@@ -71,6 +73,7 @@ class Recorder {
   PictureBook pictures_;
   PressureNoise noise_;
   TerrainMaps maps_;
+  SurfaceForces forces_;
   double stop_below_;                  ///< share of the largest kinetic energy; 0: never
   double stop_after_;                  ///< [s]
   std::vector<double> picture_times_;  ///< to come, ascending [s]

@@ -184,6 +184,7 @@ void Run::complete_summary() {
   summary_.resumed_at = recorder_.so_far().resumed_at;
   summary_.ledger = simulation_->ledger();
   summary_.tally = simulation_->tally();
+  summary_.surfaces = recorder_.forces().summary();
   summary_.end = outlines_.find(simulation_->places());
   if (recorder_.maps().any()) {
     MapsAtEnd maps = recorder_.maps().write(summary_.ledger.time, simulation_->flow());

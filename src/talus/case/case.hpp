@@ -172,8 +172,10 @@ struct MapSpec {
 };
 
 struct OutputSpec {
-  std::optional<double> snapshots;                 ///< interval [s]; by default a share of the run
-  std::optional<double> history;                   ///< interval [s]; by default a share of the run
+  std::optional<double> snapshots;  ///< interval [s]; by default a share of the run
+  std::optional<double> history;    ///< interval [s]; by default a share of the run
+  std::optional<double>
+      peak_force_time;  ///< that forces are averaged over for their peaks [s]; by default from the fall
   std::optional<double> front_thickness;           ///< that defines the edge of the deposit [m]; by default a grain
   std::optional<std::vector<double>> pictures;     ///< instants [s]; by default from the start to the end
   std::optional<std::vector<std::string>> fields;  ///< quantities in snapshots; by default those that the laws have

@@ -154,6 +154,7 @@ void check_numbers_of_output(const Case& case_, std::vector<Mistake>& mistakes) 
   const OutputSpec& o = case_.output;
   check_number(section, keys::snapshots, o.snapshots);
   check_number(section, keys::history, o.history);
+  check_number(section, keys::peak_force_time, o.peak_force_time);
   check_number(section, keys::front_thickness, o.front_thickness);
   check_number(section, keys::checkpoints, o.checkpoints);
   check_number(section.in("maps"), keys::map_interval, o.maps.interval);

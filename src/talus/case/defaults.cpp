@@ -127,6 +127,16 @@ FrictionRise rough_friction_rise(const Case& case_) {
 Default default_snapshots(const Case& case_) { return {case_.end / 50, "a fiftieth of the run"}; }
 Default default_history(const Case& case_) { return {case_.end / 500, "a five-hundredth of the run"}; }
 
+Default default_peak_force_time(const Case& case_) {
+  constexpr double share = 0.1;
+  if (const double fall = time_of_fall(thickness_of_layers(case_), case_.gravity); fall > 0)
+    return {std::min(case_.end, share * fall),
+            "0.1 sqrt(H/g), with the largest thickness H of what lies on the ground"};
+  if (const double fall = time_of_fall(case_); fall > 0)
+    return {std::min(case_.end, share * fall), "0.1 sqrt(H/g), with the height H of all bodies"};
+  return {case_.end / 500, "a five-hundredth of the run"};
+}
+
 double largest_particle(const BodySpec& body, int dim) {
   double largest = body.spacing;
   if (const auto* list = std::get_if<PointList>(&body.region))

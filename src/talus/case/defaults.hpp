@@ -69,6 +69,9 @@ Default default_map_pixel(const Case& case_);
 
 Default default_snapshots(const Case& case_);  ///< interval [s]
 Default default_history(const Case& case_);    ///< interval [s]
+/// Time over which a force is averaged before its peak is taken [s]: a tenth of that in which what falls comes down, so
+/// that elastic waves are averaged out and an impact is not.
+Default default_peak_force_time(const Case& case_);
 /// Thickness that defines the edge of the deposit [m]: no layer of grains is thinner than a grain, and experiments see
 /// none. Of a law that does not know its grains, a layer of particles.
 Default default_front_thickness(const Case& case_);

@@ -71,6 +71,9 @@ inline constexpr Parameter snapshots{"snapshots", "s", Range::positive(), "time 
 inline constexpr Parameter history{"history", "s", Range::positive(), "time between rows of history.csv"};
 inline constexpr Parameter front_thickness{"front_thickness", "m", Range::positive(),
                                            "how thick the deposit is where it ends: fronts are there"};
+inline constexpr Parameter peak_force_time{
+    "peak_force_time", "s", Range::positive(),
+    "time over which the force on a wall or solid is averaged before its peak is taken"};
 // [output.maps]
 inline constexpr Parameter map_interval{"interval", "s", Range::positive(),
                                         "time between the instants that peaks are of"};

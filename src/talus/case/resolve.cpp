@@ -58,6 +58,7 @@ void fill_in_defaults(Case& case_) {
   OutputSpec& o = case_.output;
   if (!o.snapshots) o.snapshots = default_snapshots(case_).value;
   if (!o.history) o.history = default_history(case_).value;
+  if (!o.peak_force_time) o.peak_force_time = default_peak_force_time(case_).value;
   if (!o.front_thickness) o.front_thickness = default_front_thickness(case_).value;
   if (!o.pictures) o.pictures = default_pictures(case_);
   if (case_.map) {

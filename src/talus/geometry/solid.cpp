@@ -35,10 +35,15 @@ Nearness Solid::near(const Vec<3>& x, const Pose& pose, int dim) const {
   return hollow ? Nearness{-n.distance, -1.0 * n.normal} : n;
 }
 
-const Wall& Solid::contact_at(const Vec<3>& x) const {
-  if (zones.surfaces.empty()) return contact;
+int Solid::zone_at(const Vec<3>& x) const {
+  if (zones.surfaces.empty()) return -1;
   const int column = zones.number.column_of(x[0]), row = zones.number.row_of(x[1]);
-  return zones.number.has(column, row) ? zones.surfaces[std::size_t(zones.number.at(column, row))] : contact;
+  return zones.number.has(column, row) ? int(zones.number.at(column, row)) : -1;
+}
+
+const Wall& Solid::contact_at(const Vec<3>& x) const {
+  const int zone = zone_at(x);
+  return zone < 0 ? contact : zones.surfaces[std::size_t(zone)];
 }
 
 std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim) {

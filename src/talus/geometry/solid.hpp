@@ -12,8 +12,9 @@ namespace talus {
 
 /// Surfaces of a terrain that differ from place to place.
 struct ContactZones {
-  PlanRaster number;           ///< of the surface at each pixel; none where it is that of the solid
-  std::vector<Wall> surfaces;  ///< one a number
+  PlanRaster number;                 ///< of the surface at each pixel; none where it is that of the solid
+  std::vector<Wall> surfaces;        ///< one a number
+  std::vector<std::string> names{};  ///< of the surfaces; a zone without a name is told by its number
 
   bool operator==(const ContactZones&) const = default;
 };
@@ -29,6 +30,8 @@ struct Solid {
 
   /// Where a point in space is with respect to the solid in a pose.
   Nearness near(const Vec<3>& x, const Pose& pose, int dim) const;
+  /// The zone that a place lies in; -1 if it lies in none.
+  int zone_at(const Vec<3>& x) const;
   /// Its surface at a place.
   const Wall& contact_at(const Vec<3>& x) const;
   bool operator==(const Solid&) const = default;

@@ -60,9 +60,9 @@ void read_maps(Section& output, Case& case_) {
 
 const Declaration& output_declaration() {
   static const Declaration d("[output]",
-                             {optional(keys::snapshots), optional(keys::history), optional(keys::front_thickness),
-                              optional(Numbers{keys::pictures(0)}), optional(fields), optional(keys::checkpoints),
-                              optional(keys::checkpoint_wall), optional(maps_table)});
+                             {optional(keys::snapshots), optional(keys::history), optional(keys::peak_force_time),
+                              optional(keys::front_thickness), optional(Numbers{keys::pictures(0)}), optional(fields),
+                              optional(keys::checkpoints), optional(keys::checkpoint_wall), optional(maps_table)});
   return d;
 }
 
@@ -74,6 +74,7 @@ void read_output(Section& root, Case& case_) {
   };
   o.snapshots = number(keys::snapshots, default_snapshots(case_));
   o.history = number(keys::history, default_history(case_));
+  o.peak_force_time = number(keys::peak_force_time, default_peak_force_time(case_));
   o.front_thickness = number(keys::front_thickness, default_front_thickness(case_));
   o.pictures = read_pictures(s, case_);
   const std::vector<std::string> usual = default_fields(case_);

@@ -282,7 +282,9 @@ ContactZones read_zones(Section& s, const std::string& folder, const PlanRaster*
     if (!z.has("contact")) z.complain("`contact` is missing: what the ground does to material");
     const Wall surface = read_surface(z, key_of_ground(), case_);
     z.close();
-    if (is_known) found.surfaces.push_back(surface);
+    if (!is_known) continue;
+    found.surfaces.push_back(surface);
+    found.names.push_back(name);
   }
   return found;
 }

@@ -99,6 +99,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   m.grid.set_tiles(std::move(tiles), std::move(run.cells));
   m.walls->rest_on(m.grid.tiles());
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
+  m.accounts.assign(std::size_t(m.grid.n_tiles()), {});
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);
 }

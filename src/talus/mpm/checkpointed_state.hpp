@@ -125,6 +125,23 @@ void restore_body(Body<Dim>& body, std::size_t number, const std::vector<double>
 
 }  // namespace detail
 
+/// Of the surfaces' accounts, one after the other.
+inline void save_surfaces(const std::vector<SurfaceAccount>& surfaces, const WriteArray& write) {
+  std::vector<double> numbers;
+  for (const SurfaceAccount& account : surfaces) {
+    const std::vector<double> image = image_of(account);
+    numbers.insert(numbers.end(), image.begin(), image.end());
+  }
+  write("surfaces", numbers);
+}
+inline void restore_surfaces(std::vector<SurfaceAccount>& surfaces, const ReadArray& read) {
+  constexpr std::size_t n = sizeof(SurfaceAccount) / sizeof(double);
+  const std::vector<double> numbers = detail::read_exactly(read, "surfaces", n * surfaces.size());
+  for (std::size_t i = 0; i < surfaces.size(); ++i)
+    set_from_image(surfaces[i],
+                   {numbers.begin() + std::ptrdiff_t(n * i), numbers.begin() + std::ptrdiff_t(n * (i + 1))});
+}
+
 template <int Dim, class Shape>
 void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& carried, const ReadArray& read) {
   using namespace detail;

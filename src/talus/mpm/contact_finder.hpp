@@ -16,6 +16,7 @@
 #include "talus/geometry/solid.hpp"
 #include "talus/mpm/data/grid.hpp"
 #include "talus/mpm/kernel/contact.hpp"
+#include "talus/mpm/surface_accounts.hpp"
 
 namespace talus {
 
@@ -25,12 +26,17 @@ class ContactFinder {
  public:
   /// `unit_weight` [N/m3]: of what slides on ground whose friction is turbulent.
   ContactFinder(const Domain<Dim>& domain, std::vector<Solid> solids, double unit_weight = 0)
-      : domain_(domain), solids_(std::move(solids)), unit_weight_(unit_weight), ground_(solids_.size()) {
+      : domain_(domain),
+        solids_(std::move(solids)),
+        accounts_(solids_, Dim),
+        unit_weight_(unit_weight),
+        ground_(solids_.size()) {
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
   }
 
   const std::vector<Solid>& solids() const { return solids_; }
+  const AccountNumbers& accounts() const { return accounts_; }
 
   /// Tiles have new numbers: finds again what is known of their nodes.
   void number_tiles(std::span<const Tile<Dim>> tiles) {
@@ -78,7 +84,7 @@ class ContactFinder {
         const Vec<3> x = place_of(global_node<Dim>(place, node));
         if (solid.near(x, pose, Dim).distance > margin * domain_.h) continue;
         found.push_back({node, solid.contact, normal_towards_material(tiles, momentum, t, node, solid, x, pose),
-                         pose.velocity_at(x), number});
+                         pose.velocity_at(x), number, accounts_.of_solid(number)});
       }
     }
     for (int side = 0; side < 2 * Dim && near_wall; ++side) {
@@ -89,7 +95,7 @@ class ContactFinder {
       normal[axis] = side % 2 == 0 ? 1 : -1;
       for (int node = 0; node < n_nodes; ++node)
         if (global_node<Dim>(place, node)[axis] == on && counts(node))
-          found.push_back({node, domain_.walls[side], normal, {}, number});
+          found.push_back({node, domain_.walls[side], normal, {}, number, accounts_.of_side(side)});
     }
     // Both lists are in the same order.
     auto next = found.begin();
@@ -182,8 +188,10 @@ class ContactFinder {
     std::optional<std::array<double, n_across>> area;
     for (const auto& [node, normal] : ground.nodes) {
       if (!counts(node)) continue;
-      const Wall& surface = solids_[std::size_t(number)].contact_at(place_of(global_node<Dim>(tiles[t].place, node)));
-      found.push_back({node, surface, normal, {}, number});
+      const Solid& solid = solids_[std::size_t(number)];
+      const int zone = solid.zone_at(place_of(global_node<Dim>(tiles[t].place, node)));
+      const Wall& surface = zone < 0 ? solid.contact : solid.zones.surfaces[std::size_t(zone)];
+      found.push_back({node, surface, normal, {}, number, accounts_.of_zone(number, zone)});
       if (surface.xi == 0) continue;
       if (!area) area = area_per_mass(tiles, momentum, walls, t, ground);
       found.back().drag = unit_weight_ / surface.xi * (*area)[std::size_t(node % n_across)] / normal[Dim - 1];
@@ -371,6 +379,7 @@ class ContactFinder {
 
   Domain<Dim> domain_;
   std::vector<Solid> solids_;
+  AccountNumbers accounts_;
   double unit_weight_;
   std::vector<GroundTiles> ground_;  ///< one a solid, of those that are ground
   bool any_ = false;

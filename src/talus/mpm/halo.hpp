@@ -14,6 +14,7 @@
 
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/data/grid.hpp"
+#include "talus/mpm/surface_accounts.hpp"
 #include "talus/mpm/tile_sums.hpp"
 
 namespace talus {
@@ -162,6 +163,38 @@ TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, cons
     total.add(part);
   }
   return total;
+}
+
+/// Adds the accounts of all tiles of a run in their order, whoever owns them; `parts`: of those held here.
+template <int Dim>
+void add_up_accounts(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const std::vector<TileAccounts>& parts,
+                     std::vector<SurfaceAccount>& total) {
+  if (backend.n_owners() == 1) {
+    for (const TileAccounts& part : parts)
+      for (const TileAccount& a : part.all()) total[std::size_t(a.number)] += a.sums;
+    return;
+  }
+  constexpr std::size_t n = sizeof(SurfaceAccount) / sizeof(double);
+  struct Row {
+    double tile, account;
+    SurfaceAccount sums;
+  };
+  Message mine;
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    if (tiles[t].owned)
+      for (const TileAccount& a : parts[t].all()) {
+        const double* numbers = reinterpret_cast<const double*>(&a.sums);
+        mine.insert(mine.end(), {double(halo.number[t]), double(a.number)});
+        mine.insert(mine.end(), numbers, numbers + n);
+      }
+  std::vector<Row> rows;
+  for (const Message& m : backend.gather(mine))
+    for (std::size_t i = 0; i < m.size(); i += n + 2) {
+      rows.push_back({m[i], m[i + 1], {}});
+      std::memcpy(static_cast<void*>(&rows.back().sums), &m[i + 2], sizeof(SurfaceAccount));
+    }
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.tile < b.tile; });
+  for (const Row& row : rows) total[std::size_t(row.account)] += row.sums;
 }
 
 }  // namespace talus

@@ -87,6 +87,7 @@ struct Model {
   Halo halo;
   std::optional<Walls<Dim>> walls;
   std::vector<std::vector<NodeContact>> contacts;  ///< tile by tile
+  std::vector<TileAccounts> accounts;              ///< of this step, tile by tile
   Shares shares;                                   ///< the tiles, dealt out to threads
   std::vector<Scratch> scratch;                    ///< one a thread
 
@@ -99,6 +100,14 @@ struct Model {
     std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
     backend.for_each(shares, [&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); });
     return reduce(backend, halo, grid.tiles(), parts);
+  }
+
+  /// What surfaces have given in this step, added up in the order of the tiles, whoever ran them; the tiles begin anew.
+  std::vector<SurfaceAccount> take_accounts() {
+    std::vector<SurfaceAccount> total(std::size_t(contact_finder.accounts().size()));
+    add_up_accounts(backend, halo, grid.tiles(), accounts, total);
+    for (TileAccounts& of_tile : accounts) of_tile.clear();
+    return total;
   }
 
   /// Whether a tile has particles of this owner.

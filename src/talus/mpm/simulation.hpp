@@ -11,6 +11,7 @@
 #include "talus/case/case.hpp"
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/ledger.hpp"
+#include "talus/mpm/surface_accounts.hpp"
 #include "talus/mpm/time_step.hpp"
 
 namespace talus {
@@ -73,6 +74,9 @@ class Simulation {
   virtual const Ledger& ledger() const = 0;
   /// Of the steps made so far.
   virtual const StepTally& tally() const = 0;
+  /// What each surface has given since the start, by the numbers of `AccountNumbers`. Their impulses add up to
+  /// `Ledger::wall_impulse`, their friction to `Ledger::wall_friction`.
+  virtual const std::vector<SurfaceAccount>& surfaces() const = 0;
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;

@@ -27,7 +27,8 @@ namespace talus {
 template <int Dim, class Shape>
 class Stepper final : public Simulation {
  public:
-  explicit Stepper(Model<Dim, Shape> model) : model_(std::move(model)) {
+  explicit Stepper(Model<Dim, Shape> model)
+      : model_(std::move(model)), surfaces_(std::size_t(model_.contact_finder.accounts().size())) {
     find_bounds_at_start();
     if (model_.backend.owner() != 0)  // the first owner deals out what all have made
       for (auto& body : model_.bodies) body.particles.resize(0);
@@ -71,6 +72,7 @@ class Stepper final : public Simulation {
   double next_dt() const override { return next_step().dt; }
   const Ledger& ledger() const override { return ledger_; }
   const StepTally& tally() const override { return tally_; }
+  const std::vector<SurfaceAccount>& surfaces() const override { return surfaces_; }
   Observation observe() override {
     if (!broken_) find_node_velocities(model_, between_steps());
     return talus::observe(model_, ledger_.time, ledger_.step, broken_);
@@ -87,9 +89,13 @@ class Stepper final : public Simulation {
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;
   }
-  void save(const WriteArray& write) const override { talus::save(model_, ledger_, tally_, carried_, write); }
+  void save(const WriteArray& write) const override {
+    talus::save(model_, ledger_, tally_, carried_, write);
+    save_surfaces(surfaces_, write);
+  }
   void restore(const ReadArray& read) override {
     talus::restore(model_, ledger_, tally_, carried_, read);
+    restore_surfaces(surfaces_, read);
     add_momentum(model_);
   }
 
@@ -125,8 +131,13 @@ class Stepper final : public Simulation {
     const bool rearranges = carried_.drift > largest_drift;
     const TileSums sums = move_particles(model_, step, rearranges);
     ledger_.add_motion(sums, step.dt);
+    add_up_surfaces();
     expect_inside(sums);
     if (rearranges) rearrange();
+  }
+  void add_up_surfaces() {
+    const std::vector<SurfaceAccount> of_step = model_.take_accounts();
+    for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
   void rearrange() {
     if (model_.numerics.particle_shifting) {
@@ -197,6 +208,7 @@ class Stepper final : public Simulation {
   VelocityFilter<Dim, Shape> filter_;
   ParticleShift<Dim, Shape> shift_;
   Ledger ledger_;
+  std::vector<SurfaceAccount> surfaces_;  ///< since the start
   StepTally tally_;
   Carried carried_;
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]

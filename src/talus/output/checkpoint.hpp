@@ -45,6 +45,7 @@ struct RunSoFar {
   Schedule next_snapshot{}, next_row{};
   std::vector<double> pressure_noise;  ///< state of PressureNoise
   std::vector<double> maps;            ///< state of TerrainMaps
+  std::vector<double> forces;          ///< state of SurfaceForces
   double map_checksum = 0;             ///< of the maps that the case has read
   double peak_kinetic = 0;             ///< largest kinetic energy so far [J]
   double last_flow = 0;                ///< when kinetic energy last was above the share of it that ends a run [s]

@@ -8,6 +8,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "talus/output/surface_forces.hpp"
+
 namespace talus {
 
 namespace {
@@ -101,9 +103,10 @@ Columns columns_for(const Case& case_) {
   return columns;
 }
 
-std::vector<std::string> names_of(const Columns& columns) {
+std::vector<std::string> names_for(const Case& case_) {
   std::vector<std::string> names;
-  for (const Column& c : columns) names.push_back(c.name);
+  for (const Column& c : columns_for(case_)) names.push_back(c.name);
+  for (const std::string& name : SurfaceForces::columns(case_)) names.push_back(name);
   return names;
 }
 
@@ -142,13 +145,14 @@ int GrowingTable::column(const std::string& name) const {
 }
 
 History::History(const std::filesystem::path& file, const Case& case_, long bytes)
-    : GrowingTable(file, names_of(columns_for(case_)), bytes) {
+    : GrowingTable(file, names_for(case_), bytes) {
   for (const Column& c : columns_for(case_)) values_.push_back(c.value);
 }
 
-void History::add(const Ledger& ledger, const Outline& outline) {
+void History::add(const Ledger& ledger, const Outline& outline, const std::vector<double>& of_surfaces) {
   std::vector<double> row;
   for (const auto& value : values_) row.push_back(value(ledger, outline));
+  row.insert(row.end(), of_surfaces.begin(), of_surfaces.end());
   GrowingTable::add({row});
 }
 
@@ -202,6 +206,21 @@ Chart chart_of_energies(const History& history) {
   return energy;
 }
 
+/// What presses on each wall and solid.
+Chart chart_of_forces(const History& history) {
+  Chart forces =
+      chart("forces", "Normal force on walls and solids, mean between rows of history.csv", "force [N]", 1, {});
+  constexpr std::string_view begin = "force_", end = "_normal [N]";
+  for (std::size_t i = 0; i < history.columns().size(); ++i) {
+    const std::string& name = history.columns()[i];
+    if (!name.starts_with(begin) || !name.ends_with(end)) continue;
+    std::string surface = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    if (const auto kind = surface.find('_'); kind != std::string::npos) surface[kind] = ' ';  // solid_gate
+    forces.curves.push_back({int(i) + 1, std::move(surface)});
+  }
+  return forces;
+}
+
 }  // namespace
 
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
@@ -210,6 +229,7 @@ std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
       chart_of_fronts(history, unit),
       chart("height", "How high it stands", fmt::format("height [{}]", unit.name), 1 / unit.length,
             {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}})};
+  if (Chart forces = chart_of_forces(history); !forces.curves.empty()) charts.push_back(std::move(forces));
   if (column("outflow_mass [kg]") > 0)
     charts.push_back(chart("outflow", "How much has flowed out", "mass [kg]", 1,
                            {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "flowed out"}}));

@@ -41,7 +41,8 @@ class GrowingTable {
 class History : public GrowingTable {
  public:
   History(const std::filesystem::path& file, const Case& case_, long bytes = 0);
-  void add(const Ledger& ledger, const Outline& outline);
+  /// `of_surfaces`: what SurfaceForces::row returned.
+  void add(const Ledger& ledger, const Outline& outline, const std::vector<double>& of_surfaces);
 
  private:
   std::vector<double (*)(const Ledger&, const Outline&)> values_;  ///< of the columns
@@ -54,7 +55,7 @@ class SurfaceTable : public GrowingTable {
   void add(double time, const Surface& surface);
 };
 
-/// Charts of a history: fronts, height, mass that has flowed out, energies, time step, separated particles.
+/// Charts of a history: fronts, height, forces, mass that has flowed out, energies, time step, separated particles.
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit);
 
 }  // namespace talus

@@ -90,9 +90,9 @@ bool draw_chart(const std::filesystem::path& folder, const std::filesystem::path
   std::ostringstream out;
   out << "set terminal svg size 640,400 font 'sans,12' background '#ffffff'\n"
       << "set output " << gnuplot_text(chart.name + ".svg") << "\n"
-      << "set encoding utf8\nset datafile separator ','\nset key outside bottom center horizontal\nset grid lc "
-         "'#dddddd'\nset border "
-         "3\nset tics nomirror\n"
+      << "set encoding utf8\nset datafile separator ','\n"
+         "set key outside bottom center horizontal noenhanced\nset grid lc '#dddddd'\nset border 3\n"
+         "set tics nomirror\n"
       << "set xlabel " << gnuplot_text(chart.x_label) << "\nset ylabel " << gnuplot_text(chart.y_label) << "\n";
   if (!has_numbers(csv, chart)) out << "set yrange [0:1]\n";  // without any, gnuplot finds no range and fails
   std::vector<std::string> plots;

@@ -71,6 +71,30 @@ void add_ledger(const Ledger& l, Json& record) {
   record["wall_impulse_newton_second"] = vector(l.wall_impulse);
 }
 
+/// A force as a mean over the averaging time.
+Json force_in_json(const std::optional<SurfaceForce>& f) {
+  if (!f) return nullptr;
+  return {{"seconds", f->time},
+          {"force_newton", vector(f->total)},
+          {"normal_newton", length(f->normal)},
+          {"tangential_newton", length(f->tangential())}};
+}
+
+/// Forces on walls and solids, and the parts of `wall_friction`.
+void add_surfaces(const SurfaceSummary& all, Json& record) {
+  if (all.surfaces.empty()) return;
+  Json forces = {{"averaged_over_seconds", all.averaged_over}}, friction = Json::object();
+  for (const SurfaceSummary::OfSurface& s : all.surfaces) {
+    forces[s.name] = {
+        {"impulse_newton_second", vector(s.impulse)}, {"peak", force_in_json(s.peak)}, {"end", force_in_json(s.end)}};
+    if (s.friction) friction[s.name] = *s.friction;
+  }
+  for (const SurfaceSummary::OfZone& zone : all.zones) friction[zone.name] = zone.friction;
+  if (all.turbulent) friction["turbulent"] = *all.turbulent;
+  record["forces"] = forces;
+  record["wall_friction_joule"] = friction;
+}
+
 Json time_step_in_json(const StepTally& t) {
   Json held;
   for (int i = 0; i < n_bounds; ++i) held[std::string(bound_names[i].word)] = t.held[i];
@@ -107,6 +131,7 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
   record["run"] = run_in_json(run);
   add_ledger(run.ledger, record);
+  add_surfaces(run.surfaces, record);
   if (run.noise)
     record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};
   if (run.runout)

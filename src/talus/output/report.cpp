@@ -164,7 +164,46 @@ std::string outline_section(const Case& case_, const Outline& start, const Outli
   return section + "</table>\n";
 }
 
-std::string energy_section(const Case& case_, const Ledger& l) {
+/// Peaks of the forces on walls and solids.
+std::string forces_section(const Case& case_, const SurfaceSummary& all) {
+  if (all.surfaces.empty()) return "";
+  std::string section = fmt::format(
+      "<h2>Forces</h2>\n<p>Force of the material on walls and solids{}, as mean over {:.3g} s "
+      "(<code>output.peak_force_time</code>).</p>\n<table><tr><th></th><th>peak</th><th>its normal part</th>"
+      "<th>its tangential part</th><th>at</th><th>at the end</th></tr>\n",
+      case_.axisymmetric ? ", per radian"
+      : case_.dim == 2   ? ", per metre of thickness"
+                         : "",
+      all.averaged_over);
+  for (const SurfaceSummary::OfSurface& s : all.surfaces) {
+    section += "<tr><td>" + escaped(s.label) + "</td>";
+    if (s.peak) {
+      const double peak = length(s.peak->total);
+      const auto newton = [&](double force) {  // 0 for what is left by rounding
+        return fmt::format("<td class=\"n\">{:.4g} N</td>", force > 1e-9 * peak ? force : 0);
+      };
+      section += newton(peak) + newton(length(s.peak->normal)) + newton(length(s.peak->tangential())) +
+                 fmt::format("<td class=\"n\">{:.4g} s</td>", s.peak->time) + newton(length(s.end->total));
+    } else {
+      section += "<td colspan=\"5\">the run is shorter than the averaging time</td>";
+    }
+    section += "</tr>\n";
+  }
+  return section + "</table>\n";
+}
+
+/// Where the heat of friction on walls and solids went, if there are several places, and what of it was turbulent.
+std::vector<std::pair<std::string, double>> parts_of_friction(const SurfaceSummary& all) {
+  std::vector<std::pair<std::string, double>> parts;
+  for (const SurfaceSummary::OfSurface& s : all.surfaces)
+    if (s.friction) parts.emplace_back("on " + escaped(s.label), *s.friction);
+  for (const SurfaceSummary::OfZone& zone : all.zones) parts.emplace_back("in " + escaped(zone.label), zone.friction);
+  if (parts.size() == 1) parts.clear();
+  if (all.turbulent) parts.emplace_back("by turbulent friction", *all.turbulent);
+  return parts;
+}
+
+std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSummary& surfaces) {
   std::string section = "<h2>Energy</h2>\n<p><b>" + escaped(verdict_of(l)) + "</b></p>\n<p>Of " +
                         fmt::format("{:.4g} J", l.turnover) +
                         (case_.axisymmetric ? " per radian"
@@ -183,6 +222,7 @@ std::string energy_section(const Case& case_, const Ledger& l) {
   row("became heat by the bulk viscosity", l.viscous);
   row("was lost in the transfers between particles and grid", l.numerical);
   row("became heat by friction on walls and solids", l.wall_friction);
+  for (const auto& [where, joule] : parts_of_friction(surfaces)) row(("&ensp;of it " + where).c_str(), joule);
   row("was work on moving solids (negative: they pushed)", l.wall_work);
   if (!case_.loads.empty()) row("was put in by loads on sides of bodies", l.load_work);
   if (has_outflow(case_)) row("left as kinetic energy of what flowed out", l.outflow.kinetic);
@@ -259,8 +299,9 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
     if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
     for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
   }
-  page << energy_section(case_, run.ledger) << noise_section(run.noise) << time_step_section(run.tally)
-       << case_section(run) << record_section(run) << "</body></html>\n";
+  page << forces_section(case_, run.surfaces) << energy_section(case_, run.ledger, run.surfaces)
+       << noise_section(run.noise) << time_step_section(run.tally) << case_section(run) << record_section(run)
+       << "</body></html>\n";
   write_whole(folder / "report.html", page.str());
 }
 

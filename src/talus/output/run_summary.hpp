@@ -9,6 +9,7 @@
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/pressure_noise.hpp"
+#include "talus/output/surface_forces.hpp"
 #include "talus/output/terrain_maps.hpp"
 
 namespace talus {
@@ -19,6 +20,7 @@ struct RunSummary {
   std::vector<Understood> understood;
   Ledger ledger;
   StepTally tally;
+  SurfaceSummary surfaces;
   Outline start, end;
   std::optional<NoiseShares> noise;  ///< of the pressure in flow; none if nothing has flowed
   double wall_seconds = 0, cpu_seconds = 0;

@@ -141,9 +141,33 @@ TEST(ContactKernel, FrictionTurnsIntoHeatWhatItTakesOverTheWayThatTheNodeSlides)
   EXPECT_NEAR(acceleration.at({1, 2}).acceleration[0], -10, 1e-14);
   EXPECT_EQ(sums[Sum::new_kinetic], 4 - 13) << "J";
   EXPECT_EQ(sums[Sum::wall_friction], 5);
+  EXPECT_EQ(contact.heat, 5);
+  EXPECT_EQ(contact.turbulent, 0);
   EXPECT_NEAR(sums[Sum::grid_work], 0.5 * 0.1 * 8 * 2, 1e-15) << "the node is not moved by the force that pressed";
   EXPECT_TRUE(contact.closed) << "stress presses";
   EXPECT_FALSE(contact.sticks) << "but friction does not hold";
+}
+
+TEST(ContactKernel, OfTurbulentFrictionCountsWhatTheDragTakesBeyondCoulomb) {
+  // Pressed by 2 m/s at mu = 0.5, what slides at 3 m/s has 2 m/s left; a drag of 5/m over 0.1 s leaves 2/(1 + 5 0.1 2) = 1
+  // m/s. Of the 2 m/s that friction took the drag took one.
+  NodeContact c{0, rubbing, {0, 1, 0}};
+  EXPECT_EQ(after_contact(c, {3, -2, 0}, {0.1, 0}).turbulent, 0);
+  c.drag = 5;
+  const AfterContact after = after_contact(c, {3, -2, 0}, {0.1, 0});
+  EXPECT_NEAR(after.velocity[0], 1, 1e-15);
+  EXPECT_NEAR(after.turbulent, 0.5, 1e-15);
+  EXPECT_EQ(after_contact(c, {0.5, -2, 0}, {0.1, 0}).turbulent, 0) << "what sticks is held by Coulomb's friction";
+  EXPECT_EQ(after_contact(c, {3, 1, 0}, {0.1, 0}).turbulent, 1) << "nothing presses";
+}
+
+TEST(ContactKernel, OfWhatMomentumWouldBringThroughParticlesFeelTheirShareAsImpulse) {
+  // Mass 2 comes at (3, -2): stopped across, that is an impulse (0, 4), of which a quarter is felt.
+  NodeContact contact{at_1_2, rubbing, {0, 1, 0}};
+  NodesOfTile<2, MassVelocity> velocity(node<MassVelocity>(3, -2, 0, 2));
+  TileSums sums;
+  meet_surfaces<2>({&contact, 1}, {0, 0}, no_walls, 0.25, velocity.data(), sums);
+  EXPECT_EQ(contact.impulse, (Vec<3>{0, 1, 0}));
 }
 
 TEST(ContactKernel, WhereFrictionHoldsTheContactSticks) {

@@ -151,6 +151,38 @@ TEST(WallKernel, WhatATileGainsFromItsWallsIsWhatItsNodesHaveBeyondWhatTheyWereG
             (Vec<3>{-6, 6, 0}));
 }
 
+/// What sides get of a node's gain (1, 2, 3).
+std::array<Vec<3>, 4> shared_out(const std::array<Wall, 4>& sides, const Index<2>& tile, int node,
+                                 bool with_originals = false) {
+  std::array<Vec<3>, 4> of_sides{};
+  Quad gain(0.0);
+  for (int a = 0; a < 3; ++a) gain.set(a, a + 1);
+  Mirrors<2>({{0, 0}, 1, {8, 8}, sides}).share_out(tile, node, gain, with_originals, of_sides.data());
+  return of_sides;
+}
+
+TEST(WallKernel, WhatANodeGainsIsGivenByTheSidesThatHoldIt) {
+  using Sides = std::array<Vec<3>, 4>;
+  const Wall slip(WallKind::slip), no_slip(WallKind::no_slip), open;
+  EXPECT_EQ(shared_out({slip, open, open, open}, at_origin, number(0, 2)), (Sides{Vec<3>{1, 0, 0}, {}, {}, {}}));
+  EXPECT_EQ(shared_out({no_slip, open, open, open}, at_origin, number(0, 2)), (Sides{Vec<3>{1, 2, 3}, {}, {}, {}}));
+  EXPECT_EQ(shared_out({slip, open, open, open}, before_it, number(3, 2)), (Sides{Vec<3>{1, 0, 0}, {}, {}, {}}))
+      << "the image behind it";
+  EXPECT_EQ(shared_out({slip, open, open, open}, at_origin, number(1, 2)), Sides{}) << "in front of it";
+  EXPECT_EQ(shared_out({rubs, open, open, open}, at_origin, number(0, 2)), Sides{}) << "contacts do that";
+  // In a corner each side has what goes across it; what goes along both, half of it.
+  EXPECT_EQ(shared_out({slip, open, slip, open}, at_origin, number(0, 0)),
+            (Sides{Vec<3>{1, 0, 0}, {}, Vec<3>{0, 2, 0}, {}}));
+  EXPECT_EQ(shared_out({no_slip, open, no_slip, open}, at_origin, number(0, 0)),
+            (Sides{Vec<3>{1, 0, 1.5}, {}, Vec<3>{0, 2, 1.5}, {}}));
+  // A smooth side beside one that holds everything: only the other can hold what goes along it.
+  EXPECT_EQ(shared_out({slip, open, no_slip, open}, at_origin, number(3, 0)),
+            (Sides{Vec<3>{}, {}, Vec<3>{1, 2, 3}, {}}));
+  EXPECT_EQ(shared_out({slip, open, open, open}, at_origin, number(1, 2), true), (Sides{Vec<3>{1, 2, 3}, {}, {}, {}}))
+      << "what it and its image exchange meets again there";
+  EXPECT_EQ(shared_out({slip, open, open, open}, at_origin, number(2, 2), true), Sides{});
+}
+
 TEST(WallKernel, OfAnImageCountsWhatTurningRoundAdds) {
   // Points hand (3, 5) to an image behind a slip wall; its original gets (-3, 5), so the wall gave (-6, 0): the image's
   // own gain (0 velocity) is -(3, 5) and its share is 1 - factor = (2, 0).

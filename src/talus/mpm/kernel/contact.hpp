@@ -27,12 +27,17 @@ struct NodeContact {
   Vec<3> normal;        ///< of unit length, out of the surface
   Vec<3> velocity{};    ///< of the surface [m/s]
   int number = 0;       ///< of the surface: solids are counted first, then the sides of the domain
+  int account = 0;      ///< that its impulses are added to (surface_accounts.hpp)
   bool closed = false;  ///< stress has pressed on it in the last step
   bool sticks = false;  ///< and friction has held what pressed
   bool holds = false;   ///< has stopped what momentum would have brought through the surface
   double pressed = 0;   ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
   double drag = 0;      ///< what slides at a speed v is slowed by `drag` v^2 beside friction [1/m]
-  Vec<3> impulse{};     ///< given to the node when forces had acted [N s]
+  /// Given to the node in the last stage of the step [N s]: of what momentum would have brought through the surface the
+  /// share that particles feel; then what it gave when forces had acted.
+  Vec<3> impulse{};
+  double heat = 0;       ///< of friction in this step [J]
+  double turbulent = 0;  ///< share of it that the drag made
 };
 
 /// What outlives a step of a closed contact. Its surface, normal and velocity are found anew in the next step.
@@ -90,7 +95,8 @@ struct ContactStep {
 /// What is left of the velocity that a node would reach without contact.
 struct AfterContact {
   Vec<3> velocity;
-  bool sticks;  ///< friction holds it on the surface
+  bool sticks;           ///< friction holds it on the surface
+  double turbulent = 0;  ///< share of the drag in what friction has taken
 };
 TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& trial, const ContactStep& step = {}) {
   const Vec<3> v = admitted(c, trial);
@@ -101,10 +107,11 @@ TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& t
   if (speed <= held) return {v - sliding, true};
   const FrictionRise& rise = c.surface.rise;
   double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, step.layer) : held;
+  const double by_coulomb = taken;
   // Turbulent friction does not depend on what presses: it also acts in steps in which material that swings on its
   // ground does not press. Nothing would make up for it later, as a greater pressure does for Coulomb's.
   if (c.drag > 0) taken = speed - after_drag(c.drag, speed - taken, step.dt);
-  return {v - (taken / speed) * sliding, false};
+  return {v - (taken / speed) * sliding, false, c.drag > 0 && taken > 0 ? (taken - by_coulomb) / taken : 0};
 }
 
 /// Sets the velocities that strains are found with, from those that momentum has brought; particles feel the share `felt`
@@ -122,6 +129,7 @@ TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& 
     const Quad after = quad_of(met, mass) * walls.allowed(tile, c.node);
     store_node(velocity[c.node], after);
     c.pressed = felt * dot(met - v, c.normal);
+    c.impulse = (felt * mass) * vector_of(after - before);
     sums[Sum::held_kinetic] += 0.5 * mass * (norm2(after) - norm2(before));
     sums[Sum::wall_work] += felt * mass * dot(vector_of(after - before), c.velocity);
   }
@@ -138,6 +146,7 @@ TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>
     const Quad trial = load_node(new_velocity[c.node]);
     const AfterContact after = after_contact(c, vector_of(trial), step);
     c.sticks = after.sticks;
+    c.turbulent = after.turbulent;
     const Quad v_new = quad_of(after.velocity, trial[3]) * walls.allowed(tile, c.node);
     store_node(new_velocity[c.node], v_new);
     const double mass = velocity[c.node].mass;
@@ -158,7 +167,8 @@ TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>
     c.sticks &= c.closed;
     const double across = dot(c.impulse, c.normal) * dot(sliding, c.normal);
     sums[Sum::wall_work] += dot(c.impulse, c.velocity);
-    sums[Sum::wall_friction] += across - dot(c.impulse, sliding);
+    c.heat = across - dot(c.impulse, sliding);
+    sums[Sum::wall_friction] += c.heat;
     sums[Sum::grid_work] -= across;
   }
 }

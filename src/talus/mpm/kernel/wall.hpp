@@ -80,6 +80,69 @@ struct Mirrors {
         share *= mirrors[k].continues ? Quad(0.0) : Quad(1.0) - mirrors[k].factors;
     return share;
   }
+  /// Adds what a node has gained from walls that mirror to the sides of the domain that gave it: each component to the
+  /// side across it if that acts on the node, or evenly to those along it that hold it. `with_originals`: nodes in front
+  /// of a wall count as its nodes, too; what only passes between them and their images goes to the same side twice,
+  /// forth and back.
+  TALUS_HD void share_out(const TilePlace<Dim>& tile, int node, Quad gain, bool with_originals,
+                          Vec<3>* of_sides) const {
+    const Index<Dim> i = global_node<Dim>(tile, node);
+    bool image = false, any = false, acts[2 * Dim] = {};
+    for (int k = 0; k < n; ++k) {
+      const Mirror& m = mirrors[k];
+      const int at = i[m.axis];
+      image |= at == m.image;
+      any |= at == m.image || at == m.wall || (with_originals && at == m.original);
+    }
+    if (!any) return;
+    for (int k = 0; k < n; ++k) {
+      const Mirror& m = mirrors[k];
+      const int at = i[m.axis];
+      acts[k] = !m.continues &&
+                (with_originals ? at == m.image || at == m.wall || at == m.original : at == (image ? m.image : m.wall));
+    }
+    for (int a = 0; a < 3; ++a) {
+      int across = -1, n_along = 0, first = -1;
+      for (int k = 0; k < n; ++k) {
+        if (!acts[k]) continue;
+        if (first < 0) first = k;
+        if (mirrors[k].axis == a)
+          across = k;
+        else if (mirrors[k].factors[a] < 0)
+          ++n_along;
+      }
+      if (across < 0 && n_along == 0 && with_originals) across = first;
+      for (int k = 0; k < n; ++k)
+        if (acts[k] && (across >= 0 ? k == across : mirrors[k].factors[a] < 0))
+          of_sides[side_of(mirrors[k])][a] += gain[a] / (across >= 0 ? 1 : n_along);
+    }
+  }
+  /// The same for all nodes of a tile. Most tiles meet one wall at most.
+  TALUS_HD void share_out(const TilePlace<Dim>& tile, const Quad* gains, Vec<3>* of_sides) const {
+    int met = -1, n_met = 0;
+    for (int k = 0; k < n; ++k) {
+      const int first = tile_edge * tile[mirrors[k].axis];
+      const auto is_here = [&](int at) { return at >= first && at < first + tile_edge; };
+      if (mirrors[k].continues || !(is_here(mirrors[k].wall) || is_here(mirrors[k].image))) continue;
+      met = k;
+      ++n_met;
+    }
+    if (n_met == 0) return;
+    if (n_met > 1) {
+      for (int i = 0; i < power(tile_edge, Dim); ++i) share_out(tile, i, gains[i], false, of_sides);
+      return;
+    }
+    const Mirror& m = mirrors[met];
+    const int first = tile_edge * tile[m.axis];
+    Quad sum(0.0);
+    for (int i = 0; i < power(tile_edge, Dim); ++i) {
+      const int at = unflatten<Dim>(i, tile_edge)[m.axis] + first;
+      if (at == m.wall || at == m.image) sum += gains[i];
+    }
+    for (int a = 0; a < 3; ++a)
+      if (m.factors[a] < 0) of_sides[side_of(m)][a] += sum[a];
+  }
+  TALUS_HD static int side_of(const Mirror& m) { return 2 * m.axis + (m.image > m.wall ? 1 : 0); }
 };
 
 /// Calls f(node, factors a wall leaves of its velocity, whether it counts or is an image) for the nodes of a tile.
@@ -185,19 +248,22 @@ TALUS_HD void extend_evenly(const Tile<Dim>* tiles, int t, const Mirror& m, doub
 }
 
 /// Adds up what a tile's nodes have gained from walls and solids: mass times `nodal` is what they have, `received` and
-/// `mass` times `everywhere` what particles and gravity gave them.
+/// `mass` times `everywhere` what particles and gravity gave them. What walls that mirror gave goes to `of_sides` as well,
+/// one a side of the domain, unless that is null.
 template <int Dim, NodeOfFour Received, NodeOfFour Node>
 TALUS_HD Vec<3> gain_from_walls(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
                                 const MassVelocity* velocity, const Received* received, const Node* nodal,
-                                Quad everywhere) {
-  Quad gained(0.0);
+                                Quad everywhere, Vec<3>* of_sides = nullptr) {
+  Quad gained(0.0), gains[power(tile_edge, Dim)];
   for (int i = 0; i < power(tile_edge, Dim); ++i) {
     const Quad mass(velocity[i].mass);
     const bool image = near_wall && walls.is_image(tile, i);
     const Quad from_points = image ? load_node(received[i]) : load_node(received[i]) + mass * everywhere;
     const Quad share = near_wall ? walls.gained_from_walls(tile, i) : Quad(1.0);
-    gained += share * (mass * load_node(nodal[i]) - from_points);
+    gains[i] = share * (mass * load_node(nodal[i]) - from_points);
+    gained += gains[i];
   }
+  if (near_wall && of_sides) walls.share_out(tile, gains, of_sides);
   return vector_of(gained);
 }
 

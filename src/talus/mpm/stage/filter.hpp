@@ -28,17 +28,21 @@ class VelocityFilter {
     const TileSums contacts = m.over_tiles([&](int t, int, TileSums& sums) {
       for (int i = 0; i < Layout::n_nodes; ++i) fits_.of(t)[i] = fit_velocity(moments_.of(t)[i], step.least_mass);
       for (NodeContact& c : m.contacts_of(t)) {
+        c.impulse = {};
         if (!c.holds) continue;
         const FilterMoments<Dim>& around = moments_.of(t)[c.node];
         const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node]);
         c.pressed = dot(impulse, c.normal) / around.mass();
+        c.impulse = impulse;
         sums[Sum::wall_work] += dot(impulse, c.velocity);
         if (!m.walls->near_wall(t)) sums.add(Sum::wall_impulse, impulse);
       }
+      add_impulses_of_contacts(m, t);
     });
     m.walls->extend(m.backend, fits_.data());
     const TileSums particles = m.over_tiles([&](int t, int, TileSums& sums) {
       sums.add(Sum::wall_impulse, share * gain_of(t));
+      if (m.walls->near_wall(t)) add_gain_of_mirrors(m, t, share);
       if (!m.has_particles(t)) return;
       FilterFit<Dim> fits[Layout::n_window];
       m.window_of(t, fits_, fits);
@@ -90,6 +94,19 @@ class VelocityFilter {
     const auto& particles = from_particles_[std::size_t(t)];
     for (std::size_t i = 0; i < particles.size(); ++i) gained = momentum_gained(particles[i], fits_.of(t)[i], gained);
     return vector_of(gained);
+  }
+
+  /// What of it walls that mirror gave, beside contacts, goes to their accounts.
+  void add_gain_of_mirrors(Model<Dim, Shape>& m, int t, double share) const {
+    const auto& particles = from_particles_[std::size_t(t)];
+    Quad gained[Layout::n_nodes];
+    for (int i = 0; i < Layout::n_nodes; ++i)
+      gained[i] = Quad(share) * momentum_gained(particles[std::size_t(i)], fits_.of(t)[i], Quad(0.0));
+    for (const NodeContact& c : m.contacts_of(t)) gained[c.node] -= quad_of(c.impulse);
+    Vec<3> of_sides[2 * Dim] = {};
+    for (int i = 0; i < Layout::n_nodes; ++i)
+      m.walls->mirrors().share_out(m.grid.tile(t).place, i, gained[i], true, of_sides);
+    add_to_sides(m, t, 1, of_sides);
   }
 
   typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals

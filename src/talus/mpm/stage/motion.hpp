@@ -45,7 +45,7 @@ template <int Dim, class Shape>
 TileSums speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   const Quad gravity = m.gravity_at_nodes();
   return m.over_tiles([&](int t, int, TileSums& sums) {
-    add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, sums);
+    add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     advance_tile<Advance::velocities>(m, t, step);
     add_momentum_of_tile(m, t);
@@ -59,7 +59,7 @@ TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearra
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
   return m.over_tiles([&](int t, int, TileSums& sums) {
-    if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, sums);
+    if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     sums[Sum::load_power] += power_of_loads(m, t, step.time);
     if (stress_first)

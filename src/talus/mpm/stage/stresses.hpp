@@ -32,6 +32,15 @@ void add_loads_of(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, cons
     add_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), m.grid.force_windows.of(t), total);
 }
 
+/// What walls and solids have changed of the velocities that momentum has brought to a tile's nodes; particles feel a
+/// share of it.
+template <int Dim, class Shape>
+void add_gain_at_start(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& sums) {
+  const double felt = 1 - step.kept;
+  add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), felt, sums);
+  if (felt > 0 && m.contact_finder.any()) add_impulses_of_contacts(m, t);
+}
+
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
 TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
@@ -40,7 +49,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar, bulk_viscosity_of(n)};
   const bool stress_first = n.order == Order::usf;
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
-    if (stress_first) add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), sums);
+    if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     MassVelocity velocity[Layout::n_window];
     m.window_of(t, m.grid.velocity, velocity);
@@ -66,7 +75,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
 template <int Dim, class Shape>
 TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
-    add_gain_from_walls(m, t, m.grid.momentum, m.grid.velocity, Quad(0.0), sums);
+    add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     clear_window<Dim, Shape>(m.grid.force_windows.of(t));
     Vec<3> load{};
@@ -81,6 +90,17 @@ TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
   });
 }
 
+/// Adds the heat of friction to the accounts of a tile.
+template <int Dim, class Shape>
+void add_heat_of_contacts(Model<Dim, Shape>& m, int t) {
+  for (const NodeContact& c : m.contacts_of(t)) {
+    if (c.heat == 0) continue;
+    SurfaceAccount& account = m.accounts[std::size_t(t)][c.account];
+    account.friction += c.heat;
+    account.turbulent += c.turbulent * c.heat;
+  }
+}
+
 /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it.
 template <int Dim, class Shape>
 TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
@@ -93,9 +113,11 @@ TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     const Index<Dim>& place = g.tile(t).place;
     accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
                g.acceleration.of(t), g.new_velocity.of(t), sums);
-    if (m.contact_finder.any())
-      rub_on_surfaces(m.contacts_of(t), place, walls, {step.dt, layer}, gravity, g.force.of(t), g.velocity.of(t),
-                      g.new_velocity.of(t), g.acceleration.of(t), sums);
+    if (!m.contact_finder.any()) return;
+    rub_on_surfaces(m.contacts_of(t), place, walls, {step.dt, layer}, gravity, g.force.of(t), g.velocity.of(t),
+                    g.new_velocity.of(t), g.acceleration.of(t), sums);
+    add_impulses_of_contacts(m, t);
+    add_heat_of_contacts(m, t);
   });
   m.walls->extend(m.backend, m.grid.new_velocity.data());
   m.walls->extend(m.backend, m.grid.acceleration.data());

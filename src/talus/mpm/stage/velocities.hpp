@@ -60,14 +60,42 @@ TileSums find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool 
   return total;
 }
 
-/// What a tile's nodes have gained from walls and solids: `nodal` times their mass, beyond what they have `received`.
+/// Adds impulses of the sides of the domain to their accounts in a tile.
+template <int Dim, class Shape>
+void add_to_sides(Model<Dim, Shape>& m, int t, double factor, const Vec<3> (&of_sides)[2 * Dim]) {
+  for (int side = 0; side < 2 * Dim; ++side) {
+    if (of_sides[side] == Vec<3>{}) continue;
+    Vec<3> normal{};
+    normal[side / 2] = 1;
+    m.accounts[std::size_t(t)][m.contact_finder.accounts().of_side(side)].add_impulse(factor * of_sides[side], normal,
+                                                                                      {});
+  }
+}
+
+/// What a tile's nodes have gained from walls and solids: `nodal` times their mass, beyond what they have `received`. Of
+/// what walls that mirror gave, `factor` times goes to their accounts.
 template <int Dim, class Shape, class Received, class Nodes>
 void add_gain_from_walls(Model<Dim, Shape>& m, int t, const Received& received, const Nodes& nodal, Quad everywhere,
-                         TileSums& sums) {
+                         double factor, TileSums& sums) {
   const bool near_wall = m.walls->near_wall(t);
   if (!near_wall && (!m.contact_finder.any() || m.contacts[std::size_t(t)].empty())) return;
-  sums.add(Sum::wall_impulse, gain_from_walls(m.grid.tile(t).place, m.walls->mirrors(), near_wall,
-                                              m.grid.velocity.of(t), received.of(t), nodal.of(t), everywhere));
+  Vec<3> of_sides[2 * Dim] = {};
+  sums.add(Sum::wall_impulse,
+           gain_from_walls(m.grid.tile(t).place, m.walls->mirrors(), near_wall, m.grid.velocity.of(t), received.of(t),
+                           nodal.of(t), everywhere, factor != 0 ? of_sides : nullptr));
+  add_to_sides(m, t, factor, of_sides);
+}
+
+/// Adds to the accounts of a tile what its contacts have given in the last stage.
+template <int Dim, class Shape>
+void add_impulses_of_contacts(Model<Dim, Shape>& m, int t) {
+  for (const NodeContact& c : m.contacts_of(t)) {
+    if (c.impulse == Vec<3>{}) continue;
+    const Index<Dim> node = global_node<Dim>(m.grid.tile(t).place, c.node);
+    Vec<3> place{};
+    for (int a = 0; a < Dim; ++a) place[a] = m.domain.origin[a] + m.domain.h * node[a];
+    m.accounts[std::size_t(t)][c.account].add_impulse(c.impulse, c.normal, place);
+  }
 }
 
 }  // namespace talus
