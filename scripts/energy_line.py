@@ -44,7 +44,7 @@ def smoothed(a, width):
     """Means over squares of `width` pixels, at least 3, so that there are second derivatives."""
     n = max(1, round(width) // 2)
     for axis in (0, 1):
-        a = np.nanmean([np.roll(a, k, axis) for k in range(-n, n + 1)], axis=0)
+        a = np.mean([np.roll(a, k, axis) for k in range(-n, n + 1)], axis=0)
     return a
 
 
@@ -59,31 +59,25 @@ def slide(z, x, y, h, start, mu, xi, thickness):
     zy, zx = np.gradient(z, h)
     zyy, zyx = np.gradient(zy, h)
     _, zxx = np.gradient(zx, h)
-    p, v, dt = np.array(start, float), np.zeros(2), 0.02
-    path, top, t = 0.0, 0.0, 0.0
-    z0 = at(z, x, y, *p, h)
-    while t < 600:
-        if not (x[2] < p[0] < x[-3] and y[2] < p[1] < y[-3]):
-            break
+    p, v, dt = np.array(start, float), np.zeros(2), 0.02  # v: in plan
+    path, speed, top, t = 0.0, 0.0, 0.0, 0.0
+    here = z0 = at(z, x, y, *p, h)
+    while t < 600 and x[2] < p[0] < x[-3] and y[2] < p[1] < y[-3]:
         g = np.array([at(zx, x, y, *p, h), at(zy, x, y, *p, h)])
         s = np.sqrt(1 + g @ g)
         curved = at(zxx, x, y, *p, h) * v[0]**2 + 2 * at(zyx, x, y, *p, h) * v[0] * v[1] + at(zyy, x, y, *p, h) * v[1]**2
         n = max(0.0, (G + curved) / s)
-        speed = np.sqrt(v @ v + (g @ v)**2)
-        v = v - dt * n * g / s
-        now = np.sqrt(v @ v + (g @ v)**2)
-        brake = dt * (mu * n + (G * speed**2 / (xi * thickness) if xi else 0))
-        if now <= brake:
-            if t > 5 or now == 0:
-                break
-            v = v * 0
-        else:
-            v = v * (1 - brake / now)
-        p = p + dt * v
-        path += dt * np.sqrt(v @ v)
-        top = max(top, now)
-        t += dt
-    drop, away = z0 - at(z, x, y, *p, h), np.hypot(*(p - start))
+        v = v - dt * n * g / s  # turns it; how fast it is, energy says
+        to = p + dt * v
+        drop, plan = here - at(z, x, y, *to, h), dt * np.sqrt(v @ v)
+        brake = mu * n + (G * speed**2 / (xi * thickness) if xi else 0)
+        energy = speed**2 + 2 * G * drop - 2 * brake * np.hypot(plan, drop)
+        if energy <= 0:
+            break
+        p, here, speed = to, here - drop, np.sqrt(energy)
+        v *= speed / np.hypot(np.sqrt(v @ v), g @ v)
+        path, top, t = path + plan, max(top, speed), t + dt
+    drop, away = z0 - here, np.hypot(*(p - start))
     print(f"  from {start[0]:.0f} {start[1]:.0f} to {p[0]:.0f} {p[1]:.0f} in {t:.0f} s: drop {drop:.0f} m, distance {away:.0f} m, drop/distance"
           f" {drop / away:.3f}, drop/path {drop / path:.3f}, top speed {top:.1f} m/s")
 
