@@ -3,7 +3,7 @@
 
     scripts/energy_line.py DEM.asc RELEASE.asc MU [--xi XI] [--thickness H] [--cell H] [--maps OUT/maps]
 
-A block, a point without size, starts at rest at the centre of the release and at its highest place, and slides on the ground with
+A block, a point without size, starts at rest at the centre of the release, at its highest and at its lowest place, and slides on the ground with
 the normal force N = (g + v.f''.v)/s per mass, s = sqrt(1 + f'^2), friction MU N, and with XI [m/s2] and the thickness H [m] of
 Voellmy also g v^2/(XI H). Printed: where it stops, drop over distance in plan, its top speed. Where the ground has no curvature drop
 over length in plan of its path is MU; a hollow presses and brakes it more. Heights are means over squares of CELL [m], as a run's.
@@ -94,9 +94,10 @@ def main():
     weights = r[rows, columns]
     ground = smoothed(z, a.cell / h)
     heights = np.array([at(z, x, y, rx[c], ry[i], h) for i, c in zip(rows, columns)])
-    top = np.argmax(heights)
+    top, low = np.argmax(heights), np.argmin(heights)
     print("a block")
-    for start in ((np.average(rx[columns], weights=weights), np.average(ry[rows], weights=weights)), (rx[columns[top]], ry[rows[top]])):
+    for start in ((np.average(rx[columns], weights=weights), np.average(ry[rows], weights=weights)), (rx[columns[top]], ry[rows[top]]),
+                  (rx[columns[low]], ry[rows[low]])):
         slide(ground, x, y, h, start, a.mu, a.xi, a.thickness)
     if not a.maps:
         return
