@@ -41,6 +41,15 @@ TEST(ReadFigure, MistakesAreReportedTogether) {
   }
 }
 
+TEST(ReadFigure, MapsOfACaseAreFoundFromTheFolderOfItsRun) {
+  const FigureSpec figure = read_figure(TALUS_SOURCE_DIR "/validation/rotated_bowls");
+  ASSERT_FALSE(figure.curves.empty());
+  const std::string& text = figure.curves[0].runs[0]->runs[0].text;
+  const std::string raster = TALUS_SOURCE_DIR "/validation/rotated_bowls/turned_00/terrain.asc";
+  EXPECT_NE(text.find(std::filesystem::path(raster).lexically_normal().string()), text.npos) << text;
+  EXPECT_NE(text.find("EPSG:25832"), text.npos) << "is no file";
+}
+
 TEST(ReadFigure, EveryFigureUnderValidationCanBeRead) {
   int n = 0;
   for (const auto& entry : std::filesystem::directory_iterator(TALUS_SOURCE_DIR "/validation"))

@@ -77,6 +77,26 @@ TEST_F(Results, ASweepHasARowForTheEndOfEachRunAndItsValues) {
   EXPECT_TRUE(curves_of_tests(figures).empty());
 }
 
+TEST_F(Results, ARunOnTerrainHasTheNumbersOfItsMaps) {
+  auto figures = figure_of({{"turned"}, {{"2,3", {30}}, {"4,5", {45}}}, true});
+  double length = 100;
+  const auto on_terrain = [&](const fs::path& folder, const std::string& text) {
+    const std::string failure = run(folder, text);
+    std::ofstream(folder / "record.json")
+        << R"({"maps": {"released_cubic_metre": 10, "deposited_cubic_metre": 9, "area_square_metre": 8,
+               "drop_metre": 7, "length_metre": )"
+        << length++ << R"(, "farthest_east_north_metre": [5, 6], "peak_thickness_metre": 4,
+               "peak_speed_metre_per_second": 3}})";
+    return failure;
+  };
+  for (const CurveOfReading& curve : curves_of_cases(figures)) run_cases(curve, folder_, on_terrain);
+  const ResultTable& sweep = *figures[0].runs[0][0];
+  EXPECT_EQ(sweep.names,
+            (std::vector<std::string>{"time", "height", "released", "deposited", "area", "drop", "length",
+                                      "farthest_east", "farthest_north", "peak_thickness", "peak_speed", "turned"}));
+  EXPECT_EQ(sweep.rows, (Rows{{2, 3, 10, 9, 8, 7, 100, 5, 6, 4, 3, 30}, {4, 5, 10, 9, 8, 7, 101, 5, 6, 4, 3, 45}}));
+}
+
 TEST_F(Results, ElementTestsRunInEveryReadingThatHasThem) {
   std::ofstream(folder_ / "test.toml") << test_file;
   std::ofstream(folder_ / "measured.csv") << "test,percent,kPa\nT1,0,0\n";

@@ -340,6 +340,25 @@ TEST(DruckerPrager, AveragedCompressionKeepsTheStressOnTheCone) {
   EXPECT_NEAR(von_mises(deviator(s.stress)), 0, 1e-9);
 }
 
+TEST(DruckerPrager, AveragedCompressionTakesTheRoomOfTheOpeningsAlong) {
+  // Two particles of a cell, one opened by 0.3, one closed, both of unit volume when closed: each gets half of the room.
+  const DruckerPrager law = cone(0, 30, 0);
+  State closed = isotropic_state(law, 0, 0), open = closed;
+  law.update(open, strain_by({0.1, 0.1, 0.1, 0, 0, 0}), implicit);
+  const double room = closed.volume_ratio + open.volume_ratio;
+  EXPECT_NEAR(open.volume_ratio, std::exp(0.3), 1e-12);
+  const double mean = std::log((closed.volume_ratio * 1 + open.volume_ratio * std::exp(open.compression)) / room);
+  for (State* s : {&closed, &open}) law.impose_compression(*s, mean, law.pressure_at(mean));
+  EXPECT_NEAR(closed.volume_ratio, room / 2, 1e-12);
+  EXPECT_NEAR(open.volume_ratio, room / 2, 1e-12);
+  for (State* s : {&closed, &open}) {
+    const double shrinks = std::log(s->volume_ratio) / 3;  // and closes on the volume that it had at the start
+    law.update(*s, strain_by({-shrinks, -shrinks, -shrinks, 0, 0, 0}), implicit);
+    EXPECT_NEAR(s->volume_ratio, 1, 1e-12);
+    EXPECT_NEAR(s->compression, 0, 1e-12);
+  }
+}
+
 // ---- the start ---------------------------------------------------------------------------------------------------
 
 TEST(DruckerPrager, RefusesAnInitialStressBeyondItsStrength) {

@@ -53,10 +53,23 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
   }
 }
 
+/// Paths of files that a case names and that stand beside it, made absolute: the case is run from another folder.
+void make_paths_absolute(toml::table& table, const fs::path& folder) {
+  for (auto&& [key, value] : table) {
+    if (toml::table* inner = value.as_table()) make_paths_absolute(*inner, folder);
+    const std::string_view name = key.str();
+    if (name != "raster" && name != "polygons" && name != "top" && name != "file" && name != "projection") continue;
+    toml::value<std::string>* path = value.as_string();
+    if (path && fs::is_regular_file(folder / path->get()))
+      path->get() = fs::absolute(folder / path->get()).lexically_normal().string();
+  }
+}
+
 /// A file of TOML with some keys replaced, the later replacements over the earlier.
 std::string with_replaced(const fs::path& file, std::initializer_list<const toml::table*> replaced) {
   toml::table root = Document(file.string()).root();
   for (const toml::table* table : replaced) merge(root, *table);
+  make_paths_absolute(root, file.parent_path());
   return as_text(root);
 }
 

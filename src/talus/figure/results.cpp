@@ -10,6 +10,7 @@
 #include "talus/element/driver.hpp"
 #include "talus/figure/folders.hpp"
 #include "talus/figure/read_figure.hpp"
+#include "talus/output/record.hpp"
 
 namespace talus {
 
@@ -38,6 +39,16 @@ ResultTable empty_sweep(const ResultTable& history, const std::vector<std::strin
     table.meanings.emplace_back();
   }
   return table;
+}
+
+/// Adds what the maps of a run on terrain say, the same in every row.
+void add_map_numbers(const fs::path& folder, ResultTable& results) {
+  for (const auto& [name, number] : map_numbers(folder)) {
+    results.names.push_back(name);
+    results.units.emplace_back("1");
+    results.meanings.emplace_back();
+    for (auto& row : results.rows) row.push_back(number);
+  }
 }
 
 }  // namespace
@@ -84,6 +95,7 @@ void run_cases(const CurveOfReading& which, const fs::path& figures_folder, cons
     const std::string failure = run(folder, runs.runs[k].text);
     ResultTable one = curve.surface_at ? read_surface(folder / "surface.csv", *curve.surface_at)
                                        : read_results(folder / "history.csv");
+    if (!curve.surface_at) add_map_numbers(folder, one);
     one.failure = failure;
     if (!runs.is_sweep) {
       figure->runs[reading][number] = std::move(one);

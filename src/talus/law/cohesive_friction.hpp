@@ -123,11 +123,14 @@ struct CohesiveFriction : Elasticity {
   TALUS_HD R pressure_at(R w) const {
     return max(R(bulk_modulus()) * w, R(apex));
   }
+  /// The volume goes with it: a particle that is given another's opening takes its room as well. Else particles that mix would keep
+  /// the volumes that means gave them, however far from those of their material.
   template <Number R>
   TALUS_HD void impose_compression(State<R>& state, R w, R p) const {
     const R old = pressure(state.stress) - R(apex);
     const R scale = select(old > R(0.0), (p - R(apex)) / max(old, R(1e-300)), R(0.0));
     state.stress = stress_from(scale * deviator(state.stress), p);
+    state.volume_ratio = state.volume_ratio * exp(state.compression - w);
     state.compression = w;
   }
 

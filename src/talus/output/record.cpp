@@ -157,4 +157,20 @@ bool is_finished(const std::filesystem::path& folder, const std::string& case_te
          record["run"].value("outcome", "") == "finished" && contents_of(folder / "case.toml") == case_text;
 }
 
+std::vector<std::pair<std::string, double>> map_numbers(const std::filesystem::path& folder) {
+  if (!std::filesystem::exists(folder / "record.json")) return {};
+  const auto record = nlohmann::json::parse(contents_of(folder / "record.json"), nullptr, false);
+  if (!record.is_object() || !record.contains("maps")) return {};
+  const auto& maps = record["maps"];
+  return {{"released", maps.at("released_cubic_metre")},
+          {"deposited", maps.at("deposited_cubic_metre")},
+          {"area", maps.at("area_square_metre")},
+          {"drop", maps.at("drop_metre")},
+          {"length", maps.at("length_metre")},
+          {"farthest_east", maps.at("farthest_east_north_metre").at(0)},
+          {"farthest_north", maps.at("farthest_east_north_metre").at(1)},
+          {"peak_thickness", maps.at("peak_thickness_metre")},
+          {"peak_speed", maps.at("peak_speed_metre_per_second")}};
+}
+
 }  // namespace talus

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "talus/output/run_summary.hpp"
 
@@ -13,5 +15,9 @@ void write_record(const std::filesystem::path& file, const RunSummary& run);
 /// Whether a folder holds the results of this case, to the letter, and its record says that this very version finished
 /// it.
 bool is_finished(const std::filesystem::path& folder, const std::string& case_text);
+
+/// Numbers of the maps of a run, from record.json in its folder, by name: released and deposited [m3], area [m2], drop, length,
+/// farthest_east, farthest_north, peak_thickness [m], peak_speed [m/s]. Empty if the run has no maps or no record.
+std::vector<std::pair<std::string, double>> map_numbers(const std::filesystem::path& folder);
 
 }  // namespace talus

@@ -196,9 +196,9 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     if constexpr (AveragesCompression<Law>) {
       if (averages) {
         impose_mean_rate();
-        const R own = law.elastic_energy(state);
+        const R own = old_volume * law.elastic_energy(state);
         law.impose_compression(state, load<R>(&s.mean_x[i]), load<R>(&s.mean_p[i]));
-        total.averaging += old_volume * (own - law.elastic_energy(state));
+        total.averaging += own - reference_volume * law.specific_volume(state) * law.elastic_energy(state);
       }
     }
     const Response<R> response = law.update(state, motion, how.integration);
