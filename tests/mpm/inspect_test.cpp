@@ -31,7 +31,7 @@ TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
   Body<2> body = pair();
   std::swap(body.particles.id()[0], body.particles.id()[1]);
   Observation seen;
-  observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), 2, seen);
+  observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), RowsOfIds({1, 0}), seen);
   EXPECT_EQ(seen.fields[0].name, "position");
   EXPECT_EQ(seen.find("position")->values, (std::vector<double>{3, 4, 0, 1, 2, 0}));
   EXPECT_EQ(seen.find("velocity")->values, (std::vector<double>{6, 0, 0, 5, 0, 0}));
@@ -43,23 +43,28 @@ TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
   EXPECT_EQ(seen.find("spin"), nullptr) << "of apic only";
 }
 
-TEST(Inspect, WhatHasLeftIsLeftOut) {
+TEST(Inspect, RowsAreInTheOrderOfTheIdsThatAreThere) {
+  const RowsOfIds whole({2, 0, 1}), some({7, 3, 12});
+  EXPECT_EQ(whole.size(), 3u);
+  for (int id = 0; id < 3; ++id) EXPECT_EQ(whole.row(id), std::size_t(id));
+  EXPECT_EQ(some.row(3), 0u);
+  EXPECT_EQ(some.row(7), 1u);
+  EXPECT_EQ(some.row(12), 2u);
+  // Particles 0 and 1 of five whose others another owner has.
   Observation seen;
-  observe_body(pair(), 0, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), 4, seen);
+  observe_body(pair(), 0, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), RowsOfIds({0, 1, 4, 6}), seen);
   EXPECT_EQ(seen.n_particles(), 4);
+  EXPECT_EQ(seen.find("mass")->values[1], 2);
   EXPECT_TRUE(std::isnan(seen.find("mass")->values[2]));
-  leave_out_what_has_left(seen);
-  EXPECT_EQ(seen.n_particles(), 2);
-  EXPECT_EQ(seen.find("mass")->values, (std::vector<double>{2, 2}));
-  EXPECT_EQ(seen.find("stress")->values.size(), 12u);
 }
 
 TEST(Inspect, AParticleIsAsLargeAsTheSquareOfItsVolume) {
-  ParticlePlaces all{std::vector<Vec<3>>(2), std::vector<double>(2)};
-  place_body(pair(), false, all);
+  ParticlePlaces all{std::vector<Vec<3>>(2), std::vector<double>(2), std::vector<double>(2), std::vector<long>(2)};
+  const RowsOfIds rows({0, 1});
+  place_body(pair(), false, rows, all);
   EXPECT_EQ(all.places[1], (Vec<3>{3, 4, 0}));
   EXPECT_DOUBLE_EQ(all.sizes[1], std::sqrt(6.0));
-  place_body(pair(), true, all);
+  place_body(pair(), true, rows, all);
   EXPECT_DOUBLE_EQ(all.sizes[1], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
 }
 

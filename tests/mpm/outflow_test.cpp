@@ -114,7 +114,8 @@ TEST(OutflowOfSand, WhatIsLeftIsSeenByItsIds) {
     }
     EXPECT_NEAR(value(seen, "position", k, 0), value(start, "position", id, 0), 1e-9);
     EXPECT_GT(value(start, "position", id, 1), 1.9);
-    EXPECT_EQ(s->places().places[id][0], value(seen, "position", k, 0));
+    EXPECT_EQ(s->places().places[std::size_t(k)][0], value(seen, "position", k, 0));
+    EXPECT_EQ(s->places().ancestors[std::size_t(k)], id);
   }
 }
 

@@ -408,6 +408,32 @@ TEST(Owners, HaveTheBitsOfOneOnSeveralThreadsEach) {
   for (const Result& owner : of_owners(2, what, 20, nullptr, 3)) EXPECT_EQ(difference(one, owner), "");
 }
 
+/// A block whose particles are two cells apart at the start, and fall apart: those inside are split at once.
+Case block_that_is_split() {
+  Case what = running_block(Kind::three_dimensional, cohesive_friction<MohrCoulomb>());
+  what.bodies[0].region = Box{{0.2, 0, 0}, {1.2, 0.6, 0.6}};
+  what.bodies[0].spacing = 0.2;
+  what.bodies[0].void_ratio.reset();
+  what.numerics.particle_splitting = true;
+  return what;
+}
+
+TEST(Owners, HaveTheBitsOfOneWhenParticlesAreSplitAndMerged) {
+  const Result one = expect_same_bits(block_that_is_split(), 40, "split", {2, 3, 5});
+  EXPECT_GT(one.n_particles, 45 + 20) << "of 5 x 3 x 3 at the start";
+  const std::vector<double>& ids = one.seen.find("id")->values;
+  EXPECT_TRUE(std::is_sorted(ids.begin(), ids.end()));
+  EXPECT_EQ(std::set<double>(ids.begin(), ids.end()).size(), ids.size());
+  double mass = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    mass += one.seen.find("mass")->values[i];
+    EXPECT_LT(one.seen.find("ancestor")->values[i], 45);
+  }
+  EXPECT_NEAR(mass, 1000 * 1.0 * 0.6 * 0.6, 1e-9);
+  const Case what = block_that_is_split();
+  for (const Result& owner : of_owners(2, what, 40, nullptr, 3)) EXPECT_EQ(difference(one, owner), "");
+}
+
 TEST(Owners, MayBeWithoutAParticle) {
   // All of the block is in one tile.
   Case what = running_block(Kind::plane_strain);
@@ -424,7 +450,7 @@ TEST(Owners, MayBeWithoutAParticle) {
 }
 
 TEST(Owners, GoOnFromWhatAnyNumberOfThemHasSaved) {
-  for (const Case& what : {three_bodies(), [] {
+  for (const Case& what : {three_bodies(), block_that_is_split(), [] {
                              Case apic = running_block(Kind::three_dimensional, case_1());
                              apic.walls[4] = Wall(WallKind::friction, 0.4, true);
                              apic.numerics.transfer = Transfer::apic;

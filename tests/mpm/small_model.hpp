@@ -19,10 +19,16 @@ inline Numerics pure_flip(Order order = Order::usf) {
 template <class Law = LinearElastic>
 Body<2> small_body(const std::vector<Vec<2>>& places, const Numerics& n = pure_flip(),
                    const Law& law = Law{{1000, 0}}) {
-  Particles<2> p = particles_at<2>(
-      places, {state_size<Law>, n.transfer == Transfer::apic, n.transfer == Transfer::tpic, n.order == Order::musl});
+  Particles<2> p = particles_at<2>(places, {state_size<Law>, n.transfer == Transfer::apic, n.transfer == Transfer::tpic,
+                                            n.order == Order::musl, 0, n.particle_splitting});
   for (int i = 0; i < p.size(); ++i)
     set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
+  if (p.memory().extent)
+    for (int i = 0; i < p.size(); ++i) {
+      p.extent(0)[i] = p.extent(1)[i] = 1;
+      p.extent(2)[i] = 0;
+      p.ancestor()[i] = i;
+    }
   return {"body", 1, law, std::move(p), {}};
 }
 

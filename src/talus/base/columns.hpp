@@ -32,6 +32,17 @@ class Columns {
     size_ = n;
   }
 
+  /// Row i becomes the former row rows[i]; rows may be taken several times, or not at all.
+  void take(const std::vector<int>& rows) {
+    for (std::size_t c = 0; c < data_.size(); ++c) {
+      Storage taken = allocate(int(rows.size()));
+      for (std::size_t i = 0; i < rows.size(); ++i) taken[i] = data_[c][std::size_t(rows[i])];
+      data_[c] = std::move(taken);
+      pointers_[c] = data_[c].get();
+    }
+    size_ = int(rows.size());
+  }
+
   /// Row i becomes the former row order[i], in one column. `spare` is used as working space and has at least size()
   /// entries.
   void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {

@@ -58,10 +58,13 @@ inline constexpr Choice initial_stress_choices[] = {
     {"zero", "none"},
 };  // `given` has no word: in the file it is a table of components
 
-enum class Lattice { cells, corner };
+enum class Lattice { cells, corner, blue_noise };
 inline constexpr Choice lattice_choices[] = {
     {"cells", "points in the middle of cubes of size `spacing`, counted from the corner of the bounding box"},
     {"corner", "points at whole multiples of `spacing` from that corner, the corner included"},
+    {"blue_noise",
+     "no rows: in each of the cubes of `cells` a point at random, as far as may be from its neighbours (Mitchell "
+     "1991)"},
 };
 
 /// Quantities that are told of every particle, whatever its law.
@@ -69,6 +72,7 @@ inline constexpr Quantity common_quantities[] = {
     {"velocity", "m/s", 3, "velocity of the material"},
     {"body", "1", 1, "number of the body, in the order of the case"},
     {"id", "1", 1, "number of the particle, from 0"},
+    {"ancestor", "1", 1, "id of the particle of the start that it was split from"},
     {"mass", "kg", 1, "mass; in plane strain per metre of thickness, axisymmetric per radian"},
     {"volume", "m3", 1, "volume; in plane strain per metre of thickness, axisymmetric per radian"},
     {"stress", "Pa", 6, "total Cauchy stress, tension-positive"},
@@ -107,7 +111,7 @@ struct BodySpec {
   InitialStress initial_stress = InitialStress::zero;
   SymTensor<double> given_stress = SymTensor<double>::zero();  ///< [Pa], tension-positive, if `given`
   double scatter = 0;  ///< how far points stand off their places in the lattice, along each axis, over the spacing
-  int seed = 1;        ///< of the scatter
+  int seed = 1;        ///< of the scatter, or of blue noise
   Vec<3> velocity{};   ///< of the middle of its mass [m/s]
   Vec<3> angular_velocity{};  ///< about the middle of its mass [rad/s]; in 2D its third component, positive from x to y
 
@@ -150,6 +154,7 @@ struct Numerics {
   Order order = Order::usf;
   bool average_pressure = true;
   bool particle_shifting = true;
+  bool particle_splitting = false;  ///< of materials that flow; and merging
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};

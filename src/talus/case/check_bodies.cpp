@@ -128,7 +128,7 @@ void check_loads(const Case& case_, std::vector<Mistake>& mistakes) {
         section.add("body", "has no sides: its particles are listed one by one");
       else if (std::holds_alternative<SurfaceLayer>(body.region))
         section.add("body", "has no sides: it is a layer on the ground");
-      else if (body.lattice == Lattice::corner)
+      else if (body.lattice != Lattice::cells)
         section.add("body", "must have lattice = \"cells\": loads act half a spacing outside particles");
       check_side(section, load, case_);
     }

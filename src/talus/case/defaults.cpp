@@ -190,7 +190,8 @@ std::vector<std::string> default_fields(const Case& case_) {
   std::vector<std::string_view> usual = {
       "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
       "kappa",    "I",    "viscosity",         "separated"};
-  if (has_outflow(case_)) usual.push_back("id");
+  if (has_outflow(case_) || case_.numerics.particle_splitting) usual.push_back("id");
+  if (case_.numerics.particle_splitting) usual.push_back("ancestor");
   const std::vector<std::string_view> known = known_fields(case_);
   std::vector<std::string> fields;
   for (std::string_view field : usual)

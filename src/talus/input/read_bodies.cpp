@@ -78,11 +78,14 @@ void read_filled(Section& s, const Case& case_, const std::string& folder, BodyS
   }
   body.spacing = s.number(keys::spacing);
   body.lattice = Lattice(s.choice(lattice));
-  body.scatter = s.number(keys::scatter, BodySpec{}.scatter);
-  if (body.scatter > 0)
+  if (body.lattice != Lattice::blue_noise)
+    body.scatter = s.number(keys::scatter, BodySpec{}.scatter);
+  else if (s.has("scatter"))
+    s.complain("scatter", "has no meaning with lattice = \"blue_noise\": no particle stands in a row");
+  if (body.scatter > 0 || body.lattice == Lattice::blue_noise)
     body.seed = s.whole_number(seed, BodySpec{}.seed);
   else if (s.has("seed"))
-    s.complain("seed", "has no meaning without `scatter`");
+    s.complain("seed", "has no meaning without `scatter` or lattice = \"blue_noise\"");
 }
 
 void read_velocity(Section& s, const Case& case_, BodySpec& body) {

@@ -15,6 +15,10 @@ constexpr Flag f_bar{"f_bar", "average the rate of volume change over each cell 
 constexpr Flag average_pressure{"average_pressure", "average the elastic compression over each cell"};
 constexpr Flag particle_shifting{"particle_shifting",
                                  "move particles apart where they stand closer than their volumes leave room for"};
+constexpr Flag particle_splitting{
+    "particle_splitting",
+    "split particles of materials that flow where stretching would leave cells empty, and "
+    "merge alike ones where they crowd"};
 constexpr Option integrator{"integrator", "how the frictional stress is integrated", integrators};
 
 /// The words of transfers that have a time constant, or of those that have none.
@@ -47,14 +51,14 @@ void read_integration(Section& s, Integration& integration) {
 }  // namespace
 
 const Declaration& numerics_declaration() {
-  static const Declaration d(
-      "[numerics]",
-      {optional(keys::preset), optional(shape), optional(transfer),
-       optional(keys::tau).with("transfer", transfers_with_tau(true)),
-       optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order), optional(f_bar),
-       optional(average_pressure), optional(keys::bulk_viscosity), optional(particle_shifting), optional(integrator),
-       optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt), optional(keys::cfl),
-       optional(keys::stiffness_factor)});
+  static const Declaration d("[numerics]",
+                             {optional(keys::preset), optional(shape), optional(transfer),
+                              optional(keys::tau).with("transfer", transfers_with_tau(true)),
+                              optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order),
+                              optional(f_bar), optional(average_pressure), optional(keys::bulk_viscosity),
+                              optional(particle_shifting), optional(particle_splitting), optional(integrator),
+                              optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt),
+                              optional(keys::cfl), optional(keys::stiffness_factor)});
   return d;
 }
 
@@ -73,6 +77,7 @@ void read_numerics(Section& s, Case& case_) {
   const Default viscosity = default_bulk_viscosity(n.preset, n.order);
   n.bulk_viscosity = s.number(keys::bulk_viscosity, viscosity.value, viscosity.reason);
   n.particle_shifting = s.flag(particle_shifting, n.particle_shifting);
+  n.particle_splitting = s.flag(particle_splitting, n.particle_splitting);
   read_integration(s, n.integration);
   if (n.dt)
     n.dt = s.number(keys::dt, *n.dt, "as in the paper");

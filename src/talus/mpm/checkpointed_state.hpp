@@ -24,6 +24,9 @@ struct Carried {
   double viscosity = 0;   ///< [m2/s]
   double last_dt = std::numeric_limits<double>::infinity();  ///< [s]
   double unfiltered = 0;                                     ///< time since velocities were last filtered [s]
+  double unstretched = 0;                                    ///< time since extents went with the flow [s]
+  double n_rearranged = 0;                                   ///< how often particles were put in order
+  double n_ids = 0;                                          ///< that particles have been given
 };
 
 /// All owners' parts of an array, one after the other.
@@ -155,7 +158,8 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
   m.n_particles = 0;
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
     const std::size_t n = read(fmt::format("body {}: position 0", b)).size();
-    if (n > std::size_t(m.n_at_start[b]))  // fewer if some have left
+    const auto most = m.bodies[b].particles.memory().extent ? m.most_particles : m.n_at_start[b];
+    if (n > std::size_t(most))  // fewer if some have left or were merged
       throw std::runtime_error(fmt::format("body {} has {} particles, not {}", b, n, m.n_at_start[b]));
     begins.push_back(read_exactly(read, fmt::format("body {}: first particles of tiles", b), n_tiles));
     sizes.push_back(n);

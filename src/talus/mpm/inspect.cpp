@@ -16,21 +16,29 @@ const Quantity& common(std::string_view name) {
 }
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
 
+/// The id of the particle of the start that a particle was split from, or its own.
+template <int Dim>
+double ancestor_of(const Particles<Dim>& p, int i) {
+  return p.memory().extent ? p.ancestor()[i] : p.id()[i];
+}
+
 }  // namespace
 
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, const RowsOfIds& rows,
                   Observation& seen) {
   const Particles<Dim>& p = body.particles;
+  std::vector<std::size_t> row_of;
+  for (int i = 0; i < p.size(); ++i) row_of.push_back(rows.row(p.id()[i]));
   const auto put = [&](const Quantity& q, auto evaluate) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
       seen.fields.push_back(
           {std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components,
-           std::vector<double>(std::size_t(n) * q.components, std::numeric_limits<double>::quiet_NaN())});
+           std::vector<double>(rows.size() * std::size_t(q.components), std::numeric_limits<double>::quiet_NaN())});
       field = seen.fields.end() - 1;
     }
-    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[std::size_t(p.id()[i]) * q.components]);
+    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[row_of[std::size_t(i)] * std::size_t(q.components)]);
   };
   put(place, [&](int i, double* v) {
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0;
@@ -40,6 +48,7 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
   });
   put(common("body"), [&](int, double* v) { *v = number; });
   put(common("id"), [&](int i, double* v) { *v = p.id()[i]; });
+  put(common("ancestor"), [&](int i, double* v) { *v = ancestor_of(p, i); });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
   if (p.memory().moment)
@@ -68,33 +77,37 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
 void gather(Backend& backend, Observation& seen) {
   if (backend.n_owners() == 1) return;
   const std::vector<double> own = seen.find("id")->values;
-  std::vector<std::size_t> ids;
-  for (std::size_t id = 0; id < own.size(); ++id)
-    if (!std::isnan(own[id])) ids.push_back(id);
-  const std::vector<Message> all_ids = backend.gather(Message(ids.begin(), ids.end()));
+  std::vector<std::size_t> rows;
+  for (std::size_t row = 0; row < own.size(); ++row)
+    if (!std::isnan(own[row])) rows.push_back(row);
+  const std::vector<Message> all_rows = backend.gather(Message(rows.begin(), rows.end()));
   for (Field& f : seen.fields) {
     const std::size_t n = std::size_t(f.components);
     Message mine;
-    for (std::size_t id : ids)
-      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(id * n),
-                  f.values.begin() + std::ptrdiff_t((id + 1) * n));
+    for (std::size_t row : rows)
+      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(row * n),
+                  f.values.begin() + std::ptrdiff_t((row + 1) * n));
     const std::vector<Message> all = backend.gather(mine);
     for (std::size_t o = 0; o < all.size(); ++o)
-      for (std::size_t i = 0; i < all_ids[o].size(); ++i)
-        std::copy_n(&all[o][i * n], n, &f.values[std::size_t(all_ids[o][i]) * n]);
+      for (std::size_t i = 0; i < all_rows[o].size(); ++i)
+        std::copy_n(&all[o][i * n], n, &f.values[std::size_t(all_rows[o][i]) * n]);
   }
 }
 
 void gather(Backend& backend, ParticlePlaces& all) {
   if (backend.n_owners() == 1) return;
   Message mine;
-  for (std::size_t id = 0; id < all.sizes.size(); ++id)
-    if (!std::isnan(all.sizes[id]))
-      mine.insert(mine.end(), {double(id), all.places[id][0], all.places[id][1], all.places[id][2], all.sizes[id]});
+  for (std::size_t row = 0; row < all.sizes.size(); ++row)
+    if (!std::isnan(all.sizes[row]))
+      mine.insert(mine.end(), {double(row), all.places[row][0], all.places[row][1], all.places[row][2], all.sizes[row],
+                               all.masses[row], double(all.ancestors[row])});
   for (const Message& rows : backend.gather(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 5) {
-      all.places[std::size_t(row[0])] = {row[1], row[2], row[3]};
-      all.sizes[std::size_t(row[0])] = row[4];
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7) {
+      const auto at = std::size_t(row[0]);
+      all.places[at] = {row[1], row[2], row[3]};
+      all.sizes[at] = row[4];
+      all.masses[at] = row[5];
+      all.ancestors[at] = long(row[6]);
     }
 }
 
@@ -109,19 +122,6 @@ std::string gather(Backend& backend, const std::string& text) {
   return "";
 }
 
-void leave_out_what_has_left(Observation& seen) {
-  const std::vector<double> ids = seen.find("id")->values;
-  for (Field& f : seen.fields) {
-    auto end = f.values.begin();
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (std::isnan(ids[i])) continue;
-      const auto row = f.values.begin() + std::ptrdiff_t(i) * f.components;
-      end = std::copy(row, row + f.components, end);
-    }
-    f.values.erase(end, f.values.end());
-  }
-}
-
 /// The present volume of a particle [m3].
 template <class Law, int Dim>
 double volume_of(const Law& law, const Particles<Dim>& p, int i) {
@@ -129,15 +129,17 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 }
 
 template <int Dim>
-void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all) {
+void place_body(const Body<Dim>& body, bool axisymmetric, const RowsOfIds& rows, ParticlePlaces& all) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = 0; i < p.size(); ++i) {
-          const auto id = std::size_t(p.id()[i]);
-          for (int a = 0; a < 3; ++a) all.places[id][a] = a < Dim ? p.position(a)[i] : 0;
+          const std::size_t row = rows.row(p.id()[i]);
+          for (int a = 0; a < 3; ++a) all.places[row][a] = a < Dim ? p.position(a)[i] : 0;
           const double volume = volume_of(law, p, i);
-          all.sizes[id] = size_of_particle(volume, axisymmetric ? p.position(0)[i] : 1, Dim);
+          all.sizes[row] = size_of_particle(volume, axisymmetric ? p.position(0)[i] : 1, Dim);
+          all.masses[row] = p.mass()[i];
+          all.ancestors[row] = long(ancestor_of(p, i));
         }
       },
       body.law);
@@ -310,10 +312,10 @@ FastestWave fastest_wave(const Body<Dim>& body, const Integration& how) {
   return {std::sqrt(fastest2), fastest};
 }
 
-template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
-template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, long, Observation&);
-template void place_body(const Body<2>&, bool, ParticlePlaces&);
-template void place_body(const Body<3>&, bool, ParticlePlaces&);
+template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, const RowsOfIds&, Observation&);
+template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, const RowsOfIds&, Observation&);
+template void place_body(const Body<2>&, bool, const RowsOfIds&, ParticlePlaces&);
+template void place_body(const Body<3>&, bool, const RowsOfIds&, ParticlePlaces&);
 template void add_flow_of_body(const Body<2>&, double, Message&);
 template void add_flow_of_body(const Body<3>&, double, Message&);
 template struct CellPressures<2>;

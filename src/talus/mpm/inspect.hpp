@@ -1,9 +1,11 @@
 #pragma once
 /// What can be read off the particles of a body.
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "talus/mpm/data/body.hpp"
@@ -12,24 +14,35 @@
 
 namespace talus {
 
-/// Adds a body's particles to an observation with room for the ids below `n`. `rates` holds their strain rates, in the
-/// order of the particles.
+/// The particles of all owners in the order of their ids: in which row of a table each stands.
+class RowsOfIds {
+ public:
+  explicit RowsOfIds(std::vector<double> ids) : ids_(std::move(ids)) { std::sort(ids_.begin(), ids_.end()); }
+  std::size_t size() const { return ids_.size(); }
+  /// Of an id that is there.
+  std::size_t row(double id) const {
+    if (ids_.back() == double(ids_.size() - 1)) return std::size_t(id);  // none is missing
+    return std::size_t(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
+  }
+
+ private:
+  std::vector<double> ids_;
+};
+
+/// Adds a body's particles to an observation. `rates` holds their strain rates, in the order of the particles.
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, long n,
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, const RowsOfIds& rows,
                   Observation& seen);
 
-/// What can be told of the particles of all owners, from what each can tell of its own; `seen` has room for all ids.
+/// What can be told of the particles of all owners, from what each can tell of its own; `seen` has room for all.
 void gather(Backend& backend, Observation& seen);
 void gather(Backend& backend, ParticlePlaces& all);
 /// The first text that is not empty, in the order of owners.
 std::string gather(Backend& backend, const std::string& text);
 
-/// Takes the rows of ids that no particle has out of an observation with room for all.
-void leave_out_what_has_left(Observation& seen);
-
-/// Fills in the places and sizes of a body's particles, whose volumes are per radian if axisymmetric.
+/// Fills in a body's particles, whose volumes are per radian if axisymmetric.
 template <int Dim>
-void place_body(const Body<Dim>& body, bool axisymmetric, ParticlePlaces& all);
+void place_body(const Body<Dim>& body, bool axisymmetric, const RowsOfIds& rows, ParticlePlaces& all);
 
 /// Adds the id, place, velocity, volume and mass of each of a body's particles. What has more than `most_room` [m3/kg] is
 /// spray, whose volume is mostly gap: it has so much.

@@ -72,6 +72,17 @@ void Ledger::add_shift(const TileSums& particles) {
   numerical += before - potential;
 }
 
+void Ledger::add_refinement(long split, long merged, const TileSums& particles) {
+  if (split + merged == 0) return;
+  n_split += split;
+  n_merged += merged;
+  const double before = kinetic + potential;
+  set_particles(particles);
+  numerical += before - kinetic - potential;
+  averaging += particles[Sum::averaging];
+  elastic -= particles[Sum::averaging];
+}
+
 void Ledger::add_outflow(const Outflow& out) {
   const auto move = [](auto& from, auto& to, const auto& what) {
     from = from - what;

@@ -53,6 +53,8 @@ struct Ledger {
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   long n_separated = 0;    ///< particles whose grains have moved apart
+  long n_split = 0;        ///< particles that have been split since the start
+  long n_merged = 0;       ///< particles that have been merged into others since the start
   long n_unconverged = 0;  ///< stress updates that did not converge, since the start
 
   /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
@@ -87,6 +89,8 @@ struct Ledger {
   void add_motion(const TileSums& particles, double step_length);
   /// Particles were moved apart: what that lifts comes from nowhere.
   void add_shift(const TileSums& particles);
+  /// So many particles were split, and so many went into others.
+  void add_refinement(long split, long merged, const TileSums& particles);
   /// Particles have left.
   void add_outflow(const Outflow& out);
   /// Particles that came round along a periodic axis have been lifted by a period: it was there to be released too.

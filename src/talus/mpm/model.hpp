@@ -69,6 +69,7 @@ struct Model {
       most_room.push_back(loosest * largest_volume_per_mass<Dim>(body));
     }
     n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
+    most_particles = growth * n_particles;
   }
 
   Domain<Dim> domain;
@@ -77,6 +78,7 @@ struct Model {
   std::vector<ShapedBody<Dim, Shape>> bodies;
   std::vector<long> n_at_start;  ///< particles of the bodies, all owners together
   long n_particles = 0;          ///< now, all owners together
+  long most_particles = 0;       ///< there may ever be
   Backend& backend;
   ContactFinder<Dim> contact_finder;
   NodeRooms<Dim, Shape> rooms;
@@ -93,6 +95,8 @@ struct Model {
 
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
   static constexpr double loosest = 1.25;
+  /// Particles over those at the start that splitting may make; beyond, nothing is split.
+  static constexpr long growth = 4;
 
   /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
   template <class F>

@@ -29,32 +29,45 @@ std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBo
   return rates;
 }
 
+/// Of the particles that are there.
+template <int Dim, class Shape>
+RowsOfIds rows_of_ids(const Model<Dim, Shape>& m) {
+  Message mine;
+  for (const auto& body : m.bodies)
+    mine.insert(mine.end(), body.particles.id(), body.particles.id() + body.particles.size());
+  if (m.backend.n_owners() == 1) return RowsOfIds(std::move(mine));
+  std::vector<double> all;
+  for (const Message& ids : m.backend.gather(mine)) all.insert(all.end(), ids.begin(), ids.end());
+  return RowsOfIds(std::move(all));
+}
+
 /// Everything at an instant, of the particles that are there. If `broken`, particles may stand anywhere: strain rates are
 /// zero.
 template <int Dim, class Shape>
 Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken) {
   Observation seen{time, step, {}};
-  const long n_at_start = std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L);
+  const RowsOfIds rows = rows_of_ids(m);
   int number = 0;
   for (const auto& body : m.bodies) {
     const auto rates =
         broken ? std::vector<SymTensor<double>>(std::size_t(body.particles.size()), SymTensor<double>::zero())
                : strain_rates(m, body);
-    observe_body<Dim>(body, number++, rates, n_at_start, seen);
+    observe_body<Dim>(body, number++, rates, rows, seen);
   }
   gather(m.backend, seen);
-  if (m.n_particles < n_at_start) leave_out_what_has_left(seen);
   return seen;
 }
 
 template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
   constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-  const std::size_t n = std::size_t(std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L));
+  const RowsOfIds rows = rows_of_ids(m);
   ParticlePlaces all;
-  all.places.resize(n, {nowhere, nowhere, nowhere});
-  all.sizes.resize(n, nowhere);
-  for (const auto& body : m.bodies) place_body<Dim>(body, m.domain.axisymmetric, all);
+  all.places.resize(rows.size());
+  all.sizes.resize(rows.size(), nowhere);
+  all.masses.resize(rows.size());
+  all.ancestors.resize(rows.size());
+  for (const auto& body : m.bodies) place_body<Dim>(body, m.domain.axisymmetric, rows, all);
   gather(m.backend, all);
   return all;
 }
@@ -63,15 +76,14 @@ template <int Dim, class Shape>
 FlowPoints flow_of(const Model<Dim, Shape>& m) {
   Message mine;
   for (std::size_t b = 0; b < m.bodies.size(); ++b) add_flow_of_body<Dim>(m.bodies[b], m.most_room[b], mine);
-  // The row of each id; none of what has left.
-  std::vector<const double*> rows(std::size_t(std::accumulate(m.n_at_start.begin(), m.n_at_start.end(), 0L)));
+  const RowsOfIds order = rows_of_ids(m);
+  std::vector<const double*> rows(order.size());
   const std::vector<Message> all = m.backend.gather(mine);
   for (const Message& of_owner : all)
     for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += flow_row)
-      rows[std::size_t(row[0])] = row;
+      rows[order.row(row[0])] = row;
   FlowPoints points;
   for (const double* row : rows) {
-    if (!row) continue;
     points.places.push_back({row[1], row[2], row[3]});
     points.velocities.push_back({row[4], row[5], row[6]});
     points.volumes.push_back(row[7]);

@@ -37,10 +37,12 @@ struct Observation {
   }
 };
 
-/// Where the particles stand and how large they are, one for every id, NaN for what has left: all that an outline needs.
+/// Where the particles that are there stand and how large they are, in the order of their ids: all that an outline needs.
 struct ParticlePlaces {
-  std::vector<Vec<3>> places;  ///< [m]
-  std::vector<double> sizes;   ///< edge of a square or cube of the particle's present volume [m]
+  std::vector<Vec<3>> places;   ///< [m]
+  std::vector<double> sizes;    ///< edge of a square or cube of the particle's present volume [m]
+  std::vector<double> masses;   ///< [kg]
+  std::vector<long> ancestors;  ///< ids of the particles of the start that they were split from, or their own
 };
 
 /// How the particles that are there flow, in the order of their ids: all that maps need.

@@ -18,6 +18,7 @@
 #include "talus/mpm/stage/filter.hpp"
 #include "talus/mpm/stage/motion.hpp"
 #include "talus/mpm/stage/outflow.hpp"
+#include "talus/mpm/stage/refinement.hpp"
 #include "talus/mpm/stage/shift.hpp"
 #include "talus/mpm/stage/stresses.hpp"
 #include "talus/mpm/time_step.hpp"
@@ -30,6 +31,7 @@ class Stepper final : public Simulation {
   explicit Stepper(Model<Dim, Shape> model)
       : model_(std::move(model)), surfaces_(std::size_t(model_.contact_finder.accounts().size())) {
     find_bounds_at_start();
+    carried_.n_ids = double(model_.n_particles);
     if (model_.backend.owner() != 0)  // the first owner deals out what all have made
       for (auto& body : model_.bodies) body.particles.resize(0);
     arrange(model_);
@@ -66,6 +68,7 @@ class Stepper final : public Simulation {
     ledger_.end_step(step.dt);
     carried_.last_dt = step.dt;
     carried_.unfiltered += step.dt;
+    carried_.unstretched += step.dt;
     tally_.add(next, limits);
   }
 
@@ -84,7 +87,7 @@ class Stepper final : public Simulation {
   long n_particles() const override { return model_.n_particles; }
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = model_.grid.bytes() + filter_.bytes() + shift_.bytes();
+    std::size_t b = model_.grid.bytes() + filter_.bytes() + shift_.bytes() + refinement_.bytes();
     for (const auto& body : model_.bodies)
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;
@@ -133,17 +136,25 @@ class Stepper final : public Simulation {
     ledger_.add_motion(sums, step.dt);
     add_up_surfaces();
     expect_inside(sums);
-    if (rearranges) rearrange();
+    if (rearranges) rearrange(step.dt);
   }
   void add_up_surfaces() {
     const std::vector<SurfaceAccount> of_step = model_.take_accounts();
     for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
-  void rearrange() {
+  void rearrange(double dt) {
+    if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
+    carried_.unstretched = -dt;  // the step's own length is added at its end
     if (model_.numerics.particle_shifting) {
       const TileSums sums = shift_.apply(model_, ledger_.time);
       ledger_.add_shift(sums);
       expect_inside(sums);
+    }
+    ++carried_.n_rearranged;
+    if (model_.numerics.particle_splitting && std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {
+      const RefinementCost cost = refinement_.apply(model_, ledger_.time, long(carried_.n_ids));
+      carried_.n_ids += double(cost.n_split);
+      ledger_.add_refinement(cost.n_split, cost.n_merged, cost.particles);
     }
     let_out(model_, ledger_);
     arrange(model_);
@@ -201,12 +212,15 @@ class Stepper final : public Simulation {
   /// which windows end; a tenth, because where compression is averaged, particles that have left their tile still count
   /// as in its nearest cell.
   static constexpr double largest_drift = 0.1;
+  /// Particles go half a cell at most before they are looked at again.
+  static constexpr double rearranged_per_refinement = 4;
   /// Often enough that a filter takes little at a time, seldom enough to cost little.
   static constexpr double filters_per_tau = 16;
 
   Model<Dim, Shape> model_;
   VelocityFilter<Dim, Shape> filter_;
   ParticleShift<Dim, Shape> shift_;
+  ParticleRefinement<Dim, Shape> refinement_;
   Ledger ledger_;
   std::vector<SurfaceAccount> surfaces_;  ///< since the start
   StepTally tally_;

@@ -34,6 +34,7 @@ std::string notice_of_preset(const Case& case_) {
   note(n.average_pressure || n.f_bar, "averaging over cells");
   note(bulk_viscosity_of(n) > 0, "bulk viscosity");
   note(n.particle_shifting, "particle shifting");
+  note(n.particle_splitting, "particle splitting");
   note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
   for (const Material& m : case_.materials)
     std::visit(
@@ -136,9 +137,10 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
         fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",
                     l.n_unconverged));
   const bool moves = l.kinetic > 0.01 * l.turnover;  // and grains that fly are apart, as they should be
-  if (!moves && l.n_separated > 0.2 * double(run.n_particles))
+  const double n_particles = double(run.n_particles + l.n_split - l.n_merged);
+  if (!moves && double(l.n_separated) > 0.2 * n_particles)
     warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
-                                   100.0 * l.n_separated / double(run.n_particles)));
+                                   100.0 * double(l.n_separated) / n_particles));
   if (energy > 0 && l.plastic > 0 && moves)
     warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
   return warnings;

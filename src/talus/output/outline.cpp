@@ -87,6 +87,7 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
   if (axisymmetric_) axis_ = {};
   for (double size : start.sizes) half_sizes_.push_back(size / 2);
+  masses_ = start.masses;
   for (int a = 0; a < case_.dim - 1; ++a) {  // the axis of a body that a plane of symmetry cuts lies in the plane
     const bool low = case_.walls[2 * a].kind == WallKind::symmetry,
                high = case_.walls[2 * a + 1].kind == WallKind::symmetry;
@@ -94,6 +95,13 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
     if (high) axis_[a] = case_.domain.max[a];
     if (low || high) angle_ /= 2;
   }
+}
+
+double OutlineFinder::half_size_of(const ParticlePlaces& particles, std::size_t i) const {
+  if (particles.ancestors.empty()) return half_sizes_[i];
+  const auto ancestor = std::size_t(particles.ancestors[i]);
+  const double share = particles.masses[i] / masses_[ancestor];
+  return share == 1 ? half_sizes_[ancestor] : std::pow(share, 1.0 / dim_) * half_sizes_[ancestor];
 }
 
 double OutlineFinder::radius_of(const Vec<3>& place) const {
@@ -174,7 +182,7 @@ Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   const int up = dim_ - 1;
   std::vector<Reach> along(places.size());
   const auto range_along = [&](int axis) {
-    for (std::size_t i = 0; i < places.size(); ++i) along[i] = {places[i][axis], half_sizes_[i]};
+    for (std::size_t i = 0; i < places.size(); ++i) along[i] = {places[i][axis], half_size_of(particles, i)};
     return connected_range(along, cell_);
   };
   for (int axis = 0; axis < dim_ - 1; ++axis) {
@@ -186,8 +194,8 @@ Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   std::vector<Reach> near_axis;
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double r = radius_of(places[i]);
-    if (r <= near_axis_cells * cell_) near_axis.push_back({places[i][up], half_sizes_[i]});
-    along[i] = {r, half_sizes_[i]};
+    if (r <= near_axis_cells * cell_) near_axis.push_back({places[i][up], half_size_of(particles, i)});
+    along[i] = {r, half_size_of(particles, i)};
   }
   outline.height_at_axis = near_axis.empty() ? 0 : connected_range(near_axis, cell_).second - floor_;
   if (dim_ == 3) outline.farthest_radius = connected_range(along, cell_).second;

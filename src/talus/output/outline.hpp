@@ -54,6 +54,8 @@ class OutlineFinder {
   void find_fronts_along_axes(const ParticlePlaces& particles, Outline& outline) const;
   /// Front along the radius, and the surface over it.
   void find_fronts_around_axis(const ParticlePlaces& particles, Outline& outline) const;
+  /// Half the edge that a particle would have had at the start [m].
+  double half_size_of(const ParticlePlaces& particles, std::size_t i) const;
   /// Distance from the axis [m].
   double radius_of(const Vec<3>& place) const;
 
@@ -65,6 +67,7 @@ class OutlineFinder {
   Vec<3> axis_;
   double angle_;                    ///< around the axis that the domain holds, not in plane strain [rad]
   std::vector<double> half_sizes_;  ///< of the particles at the start
+  std::vector<double> masses_;      ///< of the particles at the start
 };
 
 }  // namespace talus

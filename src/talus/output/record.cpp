@@ -68,6 +68,7 @@ void add_ledger(const Ledger& l, Json& record) {
                          {"kinetic_joule", l.outflow.kinetic},
                          {"potential_joule", l.outflow.potential},
                          {"elastic_joule", l.outflow.elastic}};
+  if (l.n_split + l.n_merged > 0) record["splitting"] = {{"split", l.n_split}, {"merged", l.n_merged}};
   record["wall_impulse_newton_second"] = vector(l.wall_impulse);
 }
 

@@ -130,7 +130,7 @@ TEST(StartOfABody, WithoutParticlesOrRestOrASideToLoadItIsRefused) {
 TEST(MemoryOfParticles, IsWhatTransferOrderAndLoadsNeed) {
   Numerics n;
   n.transfer = Transfer::apic;
-  const ParticleMemory apic = memory_of(n, 7, 2);
+  const ParticleMemory apic = memory_of(n, 7, 2, true);
   EXPECT_EQ(apic.n_state, 7);
   EXPECT_EQ(apic.loads, 2);
   EXPECT_TRUE(apic.moment);
@@ -138,7 +138,7 @@ TEST(MemoryOfParticles, IsWhatTransferOrderAndLoadsNeed) {
   EXPECT_FALSE(apic.modulus);
   n.transfer = Transfer::tpic;
   n.order = Order::musl;
-  const ParticleMemory tpic = memory_of(n, 7, 0);
+  const ParticleMemory tpic = memory_of(n, 7, 0, true);
   EXPECT_FALSE(tpic.moment);
   EXPECT_TRUE(tpic.gradient);
   EXPECT_TRUE(tpic.modulus);

@@ -4,6 +4,9 @@
 #include <png.h>
 
 #include <fstream>
+#include <map>
+#include <numbers>
+#include <set>
 
 #include "folder_of_its_own.hpp"
 #include "talus/input/read.hpp"
@@ -127,6 +130,57 @@ TEST_F(FilesOfACase, ScatteredParticlesStandAtRandomNearTheirPlacesInTheBodyAndH
 
   expect(with_body(box + "\nseed = 3"), "has no meaning without `scatter`");
   expect(with_body(box + "\nscatter = 0.6"), "scatter");
+}
+
+TEST_F(FilesOfACase, BlueNoiseHasNoRowsAndTheMassOfEveryPart) {
+  const std::string box = "box = { min = [\"1 m\", \"1 m\"], max = [\"9 m\", \"9 m\"] }\nspacing = \"0.25 m\"";
+  const auto filled = [&](const std::string& more) {
+    const Case c = read(with_body(box + more));
+    return fill(c, c.bodies[0]);
+  };
+  const std::string blue = "\nlattice = \"blue_noise\"";
+  const Filling one = filled(blue), same = filled(blue + "\nseed = 1"), other = filled(blue + "\nseed = 2"),
+                scattered = filled("\nscatter = 0.5");
+  ASSERT_EQ(one.points.size(), 32u * 32u);
+  EXPECT_EQ(one.points, same.points);
+  EXPECT_NE(one.points, other.points);
+  double volume = 0;
+  std::map<std::pair<int, int>, int> cells;  // as wide as those of the grid: sixteen squares of the lattice
+  std::set<long> columns;                    // a hundredth of the spacing wide
+  for (std::size_t i = 0; i < one.points.size(); ++i) {
+    volume += one.volumes[i];
+    ++cells[{int(std::floor(one.points[i][0])), int(std::floor(one.points[i][1]))}];
+    columns.insert(std::lround(std::floor(one.points[i][0] / 0.0025)));
+  }
+  EXPECT_NEAR(volume, 64, 1e-10);
+  for (const auto& [cell, n] : cells) EXPECT_EQ(n, 16);
+  // 1024 points in 3200 columns at random leave 3200 exp(-1024/3200) empty, 2324; a lattice leaves all but 32.
+  EXPECT_NEAR(double(columns.size()), 3200 - 2324, 60);
+  const auto least_distance = [](const Filling& f) {
+    double least = 1e300;
+    for (std::size_t i = 0; i < f.points.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        const Vec<3> d = f.points[i] - f.points[j];
+        least = std::min(least, dot(d, d));
+      }
+    return std::sqrt(least);
+  };
+  EXPECT_GT(least_distance(one), 4 * least_distance(scattered)) << "none nearly coincide";
+  EXPECT_GT(least_distance(one), 0.25 * 0.25);
+  expect(with_body(box + blue + "\nscatter = 0.2"), "no particle stands in a row");
+}
+
+TEST_F(FilesOfACase, BlueNoiseFillsARoundBodyWithoutLeavingIt) {
+  const Case c =
+      read(with_body("cylinder = { centre = [\"5 m\", \"5 m\"], radius = \"3 m\" }\nspacing = \"0.25 m\"\n"
+                     "lattice = \"blue_noise\""));
+  double volume = 0;
+  const Filling f = fill(c, c.bodies[0]);
+  for (std::size_t i = 0; i < f.points.size(); ++i) {
+    EXPECT_LE(std::hypot(f.points[i][0] - 5, f.points[i][1] - 5), 3);
+    volume += f.volumes[i];
+  }
+  EXPECT_NEAR(volume, 9 * std::numbers::pi, 1e-10);
 }
 
 TEST_F(FilesOfACase, ABodyOnAPlaneOfSymmetryMayNotTurnNorMayOneAroundAnAxis) {

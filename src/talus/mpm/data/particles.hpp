@@ -21,6 +21,7 @@ struct ParticleMemory {
   bool gradient = false;  ///< transfer `tpic`
   bool modulus = false;   ///< order `musl`
   int loads = 0;          ///< how many act on sides of the body
+  bool extent = false;    ///< of particles that are split and merged
 };
 
 enum class ParticleField {
@@ -33,7 +34,9 @@ enum class ParticleField {
   velocity_moment,
   velocity_gradient,
   loaded_area,
-  wave_modulus
+  wave_modulus,
+  extent,
+  ancestor
 };
 
 /// The one list of what is stored of a particle, in the order of `ParticleField`. Storage, sorting, migration, restart,
@@ -57,6 +60,10 @@ inline constexpr ParticleFieldInfo particle_fields[] = {
      [](int dim, const ParticleMemory& m) { return m.gradient ? dim * dim : 0; }},
     {"loaded_area", "[m2] of each loaded side, at the start", [](int, const ParticleMemory& m) { return m.loads; }},
     {"wave_modulus", "volume times K + 4/3 G [J]", [](int, const ParticleMemory& m) { return m.modulus ? 1 : 0; }},
+    {"extent", "squared edges of the material it stands for [m2]: xx, yy(, zz), xy(, yz, zx)",
+     [](int dim, const ParticleMemory& m) { return m.extent ? dim * (dim + 1) / 2 : 0; }},
+    {"ancestor", "id of the particle of the start that it, or the larger part of it, was split from",
+     [](int, const ParticleMemory& m) { return m.extent ? 1 : 0; }},
 };
 inline constexpr int n_particle_fields = std::size(particle_fields);
 
@@ -95,6 +102,8 @@ struct ParticlesView {
   /// The area of the side that a load of the body acts on which the particle stands for.
   TALUS_HD double* loaded_area(int load) const { return column(ParticleField::loaded_area, load); }
   TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
+  TALUS_HD double* extent(int component) const { return column(ParticleField::extent, component); }
+  TALUS_HD double* ancestor() const { return column(ParticleField::ancestor); }
 
   /// The places of `count` particles from `first` on, at most four [m]; an axis each.
   TALUS_HD FourPlaces<Dim> places(int first, int count) const {
@@ -140,6 +149,10 @@ class Particles {
   const double* loaded_area(int load) const { return view().loaded_area(load); }
   double* wave_modulus() { return view().wave_modulus(); }
   const double* wave_modulus() const { return view().wave_modulus(); }
+  double* extent(int component) { return view().extent(component); }
+  const double* extent(int component) const { return view().extent(component); }
+  double* ancestor() { return view().ancestor(); }
+  const double* ancestor() const { return view().ancestor(); }
 
  private:
   ParticleMemory memory_;

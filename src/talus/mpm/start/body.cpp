@@ -73,6 +73,11 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
     p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);
     p.id()[i] = double(first_id + i);
     set_state<Law>(p, i, at_rest);
+    if (p.memory().extent) {
+      const double edge = width_at_start(spec, volumes[i], Dim);
+      for (int a = 0; a < Dim; ++a) p.extent(a)[i] = edge * edge;
+      p.ancestor()[i] = double(first_id + i);
+    }
     if (p.memory().modulus)
       p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, case_.numerics.integration);
   }
@@ -91,9 +96,10 @@ void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& filling
 
 }  // namespace
 
-ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads) {
-  return {n_state, numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic,
-          numerics.order == Order::musl, n_loads};
+ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads, bool flows) {
+  return {
+      n_state, numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic, numerics.order == Order::musl,
+      n_loads, numerics.particle_splitting && flows};
 }
 
 double estimated_bytes(const Case& case_) {
@@ -104,7 +110,9 @@ double estimated_bytes(const Case& case_) {
     const int n_loads = int(std::ranges::count_if(case_.loads, acts_here));
     const double of_a_particle = std::visit(
         [&]<class Law>(const Law&) {
-          double n = ParticleLayout(case_.dim, memory_of(case_.numerics, state_size<Law>, n_loads)).n_columns();
+          double n =
+              ParticleLayout(case_.dim, memory_of(case_.numerics, state_size<Law>, n_loads, !keeps_neighbours(Law{})))
+                  .n_columns();
           for (const Quantity& q : common_quantities) n += q.components;  // of a snapshot
           for (const Quantity& q : Law::quantities()) n += q.components;
           return n;
@@ -128,7 +136,8 @@ Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden,
   const AnyLaw scaled = with_scaled_stiffness(case_.materials[spec.material].law, case_.numerics.stiffness_factor);
   return std::visit(
       [&]<class Law>(const Law& law) {
-        const ParticleMemory memory = memory_of(case_.numerics, state_size<Law>, int(loads.size()));
+        const ParticleMemory memory =
+            memory_of(case_.numerics, state_size<Law>, int(loads.size()), !keeps_neighbours(Law{}));
         Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(memory), {}, loads};
         body.particles.resize(int(filling.points.size()));
         set_particles(body.particles, law, case_, spec, filling, overburden, first_id);

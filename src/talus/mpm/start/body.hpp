@@ -7,7 +7,7 @@
 namespace talus {
 
 /// What particles of a body remember whose law has so many numbers of state.
-ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads);
+ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads, bool flows);
 
 /// About how much memory the particles of a case take while it runs, and while a snapshot is made of them [bytes].
 double estimated_bytes(const Case& case_);

@@ -4,11 +4,125 @@
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <vector>
 
 namespace talus {
 
+namespace {
+
+/// Random numbers that are the same everywhere, which those of the standard's distributions are not.
+class Random {
+ public:
+  explicit Random(int seed) : engine_(std::uint64_t(seed)) {}
+  double from_minus_1_to_1() { return double(engine_() >> 11) * 0x1p-52 - 1; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+/// Whether places are on the same sides of the planes of symmetry.
+bool are_on_same_sides(const Vec<3>& x, const Vec<3>& y, const Box& kept, int dim) {
+  for (int a = 0; a < dim; ++a)
+    for (const double plane : {kept.min[a], kept.max[a]})
+      if ((x[a] - plane) * (y[a] - plane) <= 0) return false;
+  return true;
+}
+
+/// A place of the lattice scattered along each axis. One that would leave the body, or cross a plane of symmetry, stays.
+Vec<3> scattered(const Vec<3>& place, double distance, const BodySpec& body, const Box& kept, int dim, Random& random) {
+  Vec<3> x = place;
+  for (int a = 0; a < dim; ++a) x[a] += distance * random.from_minus_1_to_1();
+  return are_on_same_sides(x, place, kept, dim) && contains(body.region, x, dim) ? x : place;
+}
+
+/// Blue noise: of some random places in the same cube of the lattice the one farthest from what already stands in the
+/// cubes around (best candidate, Mitchell 1991, Computer Graphics 25:157). With a point in every cube, each part of the body
+/// has the mass it should, and there are no rows. Cubes are filled in the order of their parities, so that what stands
+/// around one is the same to all sides.
+class BlueNoise {
+ public:
+  /// `middles`: of the cubes, along each axis; nowhere where the body is not.
+  BlueNoise(const BodySpec& body, const Box& kept, int dim, const Index<3>& n, const std::vector<Vec<3>>& middles)
+      : n_(n), places_(middles.size(), nowhere) {
+    Random random(body.seed);
+    for (int parity = 0; parity < (1 << dim); ++parity)
+      for (int k = parity >> 2 & 1; k < n[2]; k += 2)
+        for (int j = parity >> 1 & 1; j < n[1]; j += 2)
+          for (int i = parity & 1; i < n[0]; i += 2) {
+            const Vec<3>& middle = middles[slot({i, j, k})];
+            if (middle == nowhere) continue;
+            Vec<3> best = middle;
+            double farthest = -1;
+            for (int c = 0; c < candidates; ++c) {
+              const Vec<3> x = scattered(middle, 0.5 * body.spacing, body, kept, dim, random);
+              const double distance = squared_distance_to_nearest({i, j, k}, x);
+              if (distance <= farthest) continue;
+              farthest = distance;
+              best = x;
+            }
+            places_[slot({i, j, k})] = best;
+          }
+  }
+
+  const std::vector<Vec<3>>& places() const { return places_; }
+  static constexpr Vec<3> nowhere{1e300, 1e300, 1e300};
+
+ private:
+  static constexpr int candidates = 16;
+
+  std::size_t slot(const Index<3>& at) const {
+    return std::size_t(at[0]) + std::size_t(n_[0]) * (std::size_t(at[1]) + std::size_t(n_[1]) * std::size_t(at[2]));
+  }
+  double squared_distance_to_nearest(const Index<3>& at, const Vec<3>& x) const {
+    double nearest = 1e300;
+    for (int k = std::max(0, at[2] - 1); k <= std::min(n_[2] - 1, at[2] + 1); ++k)
+      for (int j = std::max(0, at[1] - 1); j <= std::min(n_[1] - 1, at[1] + 1); ++j)
+        for (int i = std::max(0, at[0] - 1); i <= std::min(n_[0] - 1, at[0] + 1); ++i) {
+          const Vec<3>& other = places_[slot({i, j, k})];
+          if (other == nowhere) continue;
+          const Vec<3> d = x - other;
+          nearest = std::min(nearest, dot(d, d));
+        }
+    return nearest;
+  }
+
+  Index<3> n_;
+  std::vector<Vec<3>> places_;
+};
+
+/// Calls f(place) for the particles that fill a shape.
+template <class F>
+void for_each_place(const Case& case_, const BodySpec& body, const Box& kept, F f) {
+  const int dim = case_.dim;
+  const Box box = bounding_box(body.region, dim);
+  const double offset = body.lattice == Lattice::corner ? 0 : 0.5;
+  Index<3> n{1, 1, 1};
+  for (int a = 0; a < dim; ++a) n[a] = lattice_planes(body, box, a);
+  const bool blue = body.lattice == Lattice::blue_noise;
+  Random random(body.seed);
+  std::vector<Vec<3>> middles;
+  for (int k = 0; k < n[2]; ++k)
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        Vec<3> x{};
+        const Index<3> at{i, j, k};
+        for (int a = 0; a < dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
+        const bool is_inside = contains(body.region, x, dim);
+        if (blue)
+          middles.push_back(is_inside ? x : BlueNoise::nowhere);
+        else if (is_inside)
+          f(body.scatter > 0 ? scattered(x, body.scatter * body.spacing, body, kept, dim, random) : x);
+      }
+  if (!blue) return;
+  const BlueNoise noise(body, kept, dim, n, middles);
+  for (const Vec<3>& x : noise.places())
+    if (x != BlueNoise::nowhere) f(x);
+}
+
+}  // namespace
+
 int lattice_planes(const BodySpec& body, const Box& box, int axis) {
-  const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
+  const double offset = body.lattice == Lattice::corner ? 0 : 0.5;
   return int(std::floor((box.max[axis] - box.min[axis]) / body.spacing - offset + 1e-9)) + 1;
 }
 
@@ -47,33 +161,7 @@ Filling fill(const Case& case_, const BodySpec& body) {
     for_each_point(*layer, [&](const Vec<3>& x, double volume) { add(x, volume); });
     return filling;
   }
-  const Box box = bounding_box(body.region, case_.dim);
-  const double offset = body.lattice == Lattice::cells ? 0.5 : 0;
-  // A point that would leave the body, or cross a plane of symmetry, stays on its place. The engine's numbers are the
-  // same everywhere, those of the standard's distributions are not.
-  std::mt19937_64 random(std::uint64_t(body.seed));
-  const auto scattered = [&](const Vec<3>& place) {
-    Vec<3> x = place;
-    bool beyond = false;
-    for (int a = 0; a < case_.dim; ++a) {
-      const double from_minus_1_to_1 = double(random() >> 11) * 0x1p-52 - 1;
-      x[a] += body.scatter * body.spacing * from_minus_1_to_1;
-      for (const double plane : {kept.min[a], kept.max[a]}) beyond |= (x[a] - plane) * (place[a] - plane) <= 0;
-    }
-    return beyond || !contains(body.region, x, case_.dim) ? place : x;
-  };
-  Index<3> n{1, 1, 1};
-  for (int a = 0; a < case_.dim; ++a) n[a] = lattice_planes(body, box, a);
-  for (int k = 0; k < n[2]; ++k)
-    for (int j = 0; j < n[1]; ++j)
-      for (int i = 0; i < n[0]; ++i) {
-        Vec<3> x{};
-        const Index<3> at{i, j, k};
-        for (int a = 0; a < case_.dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
-        if (!contains(body.region, x, case_.dim)) continue;
-        if (body.scatter > 0) x = scattered(x);
-        add(x, case_.axisymmetric ? x[0] : 1);
-      }
+  for_each_place(case_, body, kept, [&](const Vec<3>& x) { add(x, case_.axisymmetric ? x[0] : 1); });
   // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
   // proportion to their radius.
   bool cut = false;

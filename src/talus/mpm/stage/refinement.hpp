@@ -1,0 +1,176 @@
+#pragma once
+/// Splits particles that stand for stretched material, and merges alike ones (refinement.hpp), before particles are put in
+/// order.
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "talus/mpm/refinement.hpp"
+#include "talus/mpm/stage/velocities.hpp"
+
+namespace talus {
+
+/// What a refinement did, over all owners.
+struct RefinementCost {
+  long n_split = 0, n_merged = 0;
+  TileSums particles;  ///< what they hold afterwards; `averaging`: elastic energy lost in merging
+};
+
+template <int Dim, class Shape>
+class ParticleRefinement {
+ public:
+  using Layout = TileLayout<Dim, Shape>;
+
+  /// Lets the material that particles stand for go with the flow for `time` [s], with the new velocities of the nodes.
+  void stretch(Model<Dim, Shape>& m, double time) {
+    m.backend.for_each(m.shares, [&](int t, int worker) {
+      if (!m.has_particles(t)) return;
+      MassVelocity velocity[Layout::n_window];
+      m.window_of(t, m.grid.new_velocity, velocity);
+      m.for_each_body(t, [&](auto& body, const auto& points) {
+        if (!body.particles.memory().extent) return;
+        const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+        find_gradients(points, m.domain, velocity, s);
+        for (int i = 0; i < points.size(); ++i) {
+          const int row = points.range.begin + i;
+          set_extent(body.particles, row,
+                     stretched(extent_of(body.particles, row), s.gradient_of(i), time, longest * m.domain.h));
+        }
+      });
+    });
+  }
+
+  /// Splits and merges; `n_ids`: how many ids have been given so far. Nothing goes into solids as they stand at that time.
+  RefinementCost apply(Model<Dim, Shape>& m, double time, long n_ids) {
+    count_cells(m);
+    RefinementCost cost;
+    std::vector<std::vector<Plan>> plans(m.bodies.size());
+    for (std::size_t b = 0; b < m.bodies.size(); ++b)
+      if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], time);
+    const auto total = [&](auto of_plan) {
+      double mine = 0;
+      for (const auto& of_body : plans)
+        for (const Plan& p : of_body) mine += double(of_plan(p).size());
+      return counts_of_owners(m.backend, mine);
+    };
+    std::vector<long> n_split = total([](const Plan& p) { return p.splits; });
+    const std::vector<long> n_merged = total([](const Plan& p) { return p.mergers; });
+    for (const long n : n_merged) cost.n_merged += n;
+    for (const long n : n_split) cost.n_split += n;
+    if (m.n_particles + cost.n_split - cost.n_merged > m.most_particles) {
+      cost.n_split = 0;
+      std::fill(n_split.begin(), n_split.end(), 0L);
+      for (auto& of_body : plans)
+        for (Plan& p : of_body) p.splits.clear();
+    }
+    if (cost.n_split + cost.n_merged == 0) return cost;
+    const TileSums merging = m.over_tiles([&](int t, int, TileSums& sums) {
+      for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+        if (plans[b].empty()) continue;
+        apply_splits<Dim>(m.bodies[b], plans[b][std::size_t(t)].splits);
+        sums[Sum::averaging] += apply_mergers<Dim>(m.bodies[b], plans[b][std::size_t(t)].mergers);
+      }
+    });
+    for (int o = 0; o < m.backend.owner(); ++o) n_ids += n_split[std::size_t(o)];
+    for (std::size_t b = 0; b < m.bodies.size(); ++b)
+      if (!plans[b].empty()) rebuild(m.bodies[b], plans[b], n_ids);
+    m.n_particles += cost.n_split - cost.n_merged;
+    cost.particles = add_up_particles(m);
+    cost.particles[Sum::averaging] = merging[Sum::averaging];
+    return cost;
+  }
+
+  /// Bytes held.
+  std::size_t bytes() const { return counts_.bytes(); }
+
+ private:
+  /// Edge of what a particle can stand for, in cells: the cells that are looked at are in tiles beside its own.
+  static constexpr double longest = 3;
+
+  /// Of a body's particles in a tile.
+  struct Plan {
+    std::vector<Split> splits;
+    std::vector<Merger> mergers;
+  };
+
+  static std::vector<long> counts_of_owners(Backend& backend, double mine) {
+    std::vector<long> counts;
+    for (const Message& of_owner : backend.gather({mine})) counts.push_back(long(of_owner.front()));
+    return counts;
+  }
+
+  void count_cells(Model<Dim, Shape>& m) {
+    counts_.resize(m.grid.n_occupied());
+    m.backend.for_each(m.shares, [&](int t, int) {
+      if (!m.has_particles(t)) return;
+      std::fill_n(counts_.of(t), CellCounts<Dim>::n, 0.0);
+      for (const auto& body : m.bodies)
+        add_counts<Dim>(body, body.tiles[std::size_t(t)], m.domain, m.grid.tile(t), counts_.of(t));
+    });
+    exchange_windows(m.backend, m.halo, counts_);
+  }
+
+  std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double time) {
+    const double most_in_cell = most_in_cell_of<Dim>(body.spacing, m.domain.h);
+    std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
+    const auto along = [&](const Vec<3>& x, Vec<3> offset) { return left_of_offset(m, x, offset, time); };
+    m.backend.for_each(m.shares, [&](int t, int) {
+      if (!m.has_particles(t)) return;
+      Plan& p = plans[std::size_t(t)];
+      const TileParticles& range = body.tiles[std::size_t(t)];
+      p.splits = find_splits<Dim>(body, range, m.domain, m.grid.tiles(), t, counts_, along);
+      p.mergers = find_mergers<Dim>(body, range, m.domain, m.grid.tile(t), most_in_cell, p.splits);
+    });
+    return plans;
+  }
+
+  /// What walls and solids leave of an offset to both sides: half the way to a wall at most, nothing into a solid.
+  static Vec<3> left_of_offset(const Model<Dim, Shape>& m, const Vec<3>& x, Vec<3> offset, double time) {
+    if (!m.contact_finder.solids().empty()) {
+      offset = m.contact_finder.beside_solids(x, offset, time);
+      offset = -1.0 * m.contact_finder.beside_solids(x, -1.0 * offset, time);
+    }
+    for (int a = 0; a < Dim; ++a)
+      for (const int side : {0, 1}) {
+        if (is_passable(m.domain.walls[std::size_t(2 * a + side)].kind)) continue;
+        const double wall = m.domain.origin[a] + (side == 0 ? 0 : m.domain.h * m.domain.n_cells[a]);
+        const double most = 0.5 * std::abs(x[a] - wall);
+        offset[a] = std::clamp(offset[a], -most, most);
+      }
+    return offset;
+  }
+
+  /// New particles stand behind those that they were split from, so that particles have one order whoever owns them.
+  static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, long& n_ids) {
+    Particles<Dim>& p = body.particles;
+    std::vector<char> copies(std::size_t(p.size()), 1);
+    std::vector<const Split*> split_of(std::size_t(p.size()), nullptr);
+    for (const Plan& plan : plans) {
+      for (const Split& s : plan.splits) {
+        copies[std::size_t(s.particle)] = 2;
+        split_of[std::size_t(s.particle)] = &s;
+      }
+      for (const Merger& pair : plan.mergers) copies[std::size_t(pair.second)] = 0;
+    }
+    std::vector<int> rows;
+    std::vector<std::pair<int, const Split*>> added;
+    for (TileParticles& range : body.tiles) {
+      const int begin = int(rows.size());
+      for (int i = range.begin; i < range.end; ++i) {
+        for (int k = 0; k < copies[std::size_t(i)]; ++k) rows.push_back(i);
+        if (copies[std::size_t(i)] == 2) added.emplace_back(int(rows.size()) - 1, split_of[std::size_t(i)]);
+      }
+      range = {begin, int(rows.size())};
+    }
+    p.columns().take(rows);
+    for (const auto& [row, split] : added) {
+      for (int a = 0; a < Dim; ++a) p.position(a)[row] -= 2 * split->offset[a];
+      p.id()[row] = double(n_ids++);
+    }
+  }
+
+  CellCounts<Dim> counts_;
+};
+
+}  // namespace talus
