@@ -74,6 +74,7 @@ void check_output(const Case& case_, std::vector<Mistake>& mistakes) {
   const OutputSpec& o = case_.output;
   check_interval(section, "snapshots", *o.snapshots, case_.end);
   check_interval(section, "history", *o.history, case_.end);
+  if (o.maps.frames) check_interval(section.in("maps"), "frames", *o.maps.frames, case_.end);
   if (o.checkpoints) check_interval(section, "checkpoints", *o.checkpoints, case_.end);
   for (auto at = o.pictures->begin(); case_.end > 0 && at != o.pictures->end(); ++at)
     if (std::find(o.pictures->begin(), at, *at) != at) {

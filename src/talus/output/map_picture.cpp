@@ -295,7 +295,14 @@ class MapPage {
     scale_end_ = end > begin ? end : begin + 1;
     add("set palette defined (0 '#f0f921', 1 '#fdb42f', 2 '#ed7953', 3 '#cc4778', 4 '#9c179e', 5 '#5c01a6', 6 "
         "'#0d0887')");
-    add(fmt::format("set cbrange [{:.4g}:{:.4g}]", begin, *scale_end_));
+    if (layer.logarithmic && end > 0) {
+      // Down to a round power of ten; what is lower has the lowest colour.
+      const double low = std::pow(10, std::floor(std::log10(std::max(end / 1000, drawn.front())) + 1e-9));
+      add("set logscale cb");
+      add(fmt::format("set cbrange [{:.4g}:{:.4g}]", low, end > low ? end : 10 * low));
+    } else {
+      add(fmt::format("set cbrange [{:.4g}:{:.4g}]", begin, *scale_end_));
+    }
     add_plot(fmt::format("{} with image", binary("_layer.bin", "%float32", part.columns, part.rows, part.middle(0, 0),
                                                  {part.pixel, part.pixel}, "1")));
   }

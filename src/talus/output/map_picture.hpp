@@ -22,6 +22,7 @@ struct MapLayer {
   std::string words;  ///< beside the colours: "Peak flow thickness"
   std::string unit;
   std::optional<double> hidden_to = 0;
+  bool logarithmic = false;  ///< colours go with the logarithm, over three decades at most
 };
 
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.
