@@ -28,7 +28,7 @@ Case slope() {
   body.spacing = 2.5;
   body.region = SurfaceLayer{ground, PlanRaster::of({10, 20}, 2.5, 8, 8, 2)};
   what.bodies = {body};
-  what.output.maps = {0.1, 0.5, 5};
+  what.output.maps = {0.1, 0.5, 5, 0.1};
   return what;
 }
 

@@ -73,6 +73,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   if (simulation.ledger().kinetic >= stop_below_ * so_far_.peak_kinetic) so_far_.last_flow = t;
   forces_.follow(t, simulation.surfaces());
   if (maps_.due(t)) maps_.add(t, simulation.flow());
+  if (maps_.frame_due(t)) maps_.add_frame(t, simulation.flow());
   if (noise_.due(t)) noise_.add(t, simulation.pressures());
   const bool picture = picture_is_due(t);
   const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);

@@ -172,6 +172,7 @@ struct MapSpec {
   std::optional<double> interval;         ///< between the instants that peaks are of [s]; by default from the terrain
   std::optional<double> least_thickness;  ///< upright, of what counts as flow [m]; by default from the particles
   std::optional<double> pixel;            ///< [m]; by default that of the terrain
+  std::optional<double> frames;           ///< between the instants that the report's map shows [s]; by default a share
 
   bool operator==(const MapSpec&) const = default;
 };

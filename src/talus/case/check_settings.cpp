@@ -76,6 +76,7 @@ void check_output(const Case& case_, std::vector<Mistake>& mistakes) {
   check_interval(section, "history", *o.history, case_.end);
   if (case_.end > 0 && *o.peak_force_time > case_.end)
     section.add("peak_force_time", fmt::format("is longer than the run, {}", with_unit(case_.end, "s")));
+  if (o.maps.frames) check_interval(section.in("maps"), "frames", *o.maps.frames, case_.end);
   if (o.checkpoints) check_interval(section, "checkpoints", *o.checkpoints, case_.end);
   for (auto at = o.pictures->begin(); case_.end > 0 && at != o.pictures->end(); ++at)
     if (std::find(o.pictures->begin(), at, *at) != at) {

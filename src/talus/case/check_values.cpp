@@ -160,6 +160,7 @@ void check_numbers_of_output(const Case& case_, std::vector<Mistake>& mistakes) 
   check_number(section.in("maps"), keys::map_interval, o.maps.interval);
   check_number(section.in("maps"), keys::least_thickness, o.maps.least_thickness);
   check_number(section.in("maps"), keys::map_pixel, o.maps.pixel);
+  check_number(section.in("maps"), keys::map_frames, o.maps.frames);
   if (case_.stop_below != 0) check_number(MistakesOf(mistakes, {"run"}), keys::stop_below, case_.stop_below);
   check_number(section, keys::checkpoint_wall, o.checkpoint_wall);
   if (o.pictures)

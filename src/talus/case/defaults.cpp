@@ -172,6 +172,12 @@ Default default_least_thickness(const Case& case_) {
 
 Default default_map_pixel(const Case& case_) { return {case_.map->ground->heights().pixel, "that of the terrain"}; }
 
+Default default_map_frames(const Case& case_) {
+  if (case_.stop_below > 0)
+    return {case_.end / 60, "a sixtieth of the run, which may come to rest long before its end"};
+  return {case_.end / 40, "a fortieth of the run"};
+}
+
 std::vector<double> default_pictures(const Case& case_) {
   std::vector<double> instants;
   for (int i = 0; i <= 5; ++i) instants.push_back(case_.end * i / 5);

@@ -66,6 +66,7 @@ double time_of_fall(const Case& case_);
 Default default_map_interval(const Case& case_);
 Default default_least_thickness(const Case& case_);
 Default default_map_pixel(const Case& case_);
+Default default_map_frames(const Case& case_);
 
 Default default_snapshots(const Case& case_);  ///< interval [s]
 Default default_history(const Case& case_);    ///< interval [s]

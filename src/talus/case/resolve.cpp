@@ -64,6 +64,7 @@ void fill_in_defaults(Case& case_) {
   if (case_.map) {
     if (!o.maps.pixel) o.maps.pixel = default_map_pixel(case_).value;
     if (!o.maps.interval) o.maps.interval = default_map_interval(case_).value;
+    if (!o.maps.frames) o.maps.frames = default_map_frames(case_).value;
     if (!o.maps.least_thickness) o.maps.least_thickness = default_least_thickness(case_).value;
   }
   if (!o.fields) o.fields = default_fields(case_);

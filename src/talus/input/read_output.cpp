@@ -34,8 +34,8 @@ std::optional<std::vector<double>> read_pictures(Section& s, const Case& case_) 
 }
 
 const Declaration& maps_declaration() {
-  static const Declaration d(
-      "maps", {optional(keys::map_pixel), optional(keys::map_interval), optional(keys::least_thickness)});
+  static const Declaration d("maps", {optional(keys::map_pixel), optional(keys::map_interval),
+                                      optional(keys::least_thickness), optional(keys::map_frames)});
   return d;
 }
 constexpr Table maps_table{"maps", "maps of a run on terrain", maps_declaration};
@@ -53,6 +53,7 @@ void read_maps(Section& output, Case& case_) {
   maps.pixel = number(keys::map_pixel, default_map_pixel(case_));
   maps.interval = number(keys::map_interval, default_map_interval(case_));
   maps.least_thickness = number(keys::least_thickness, default_least_thickness(case_));
+  maps.frames = number(keys::map_frames, default_map_frames(case_));
   s.close();
 }
 

@@ -62,7 +62,8 @@ struct GrowingBox {
 
 /// Its pixels that are drawn.
 bool is_drawn(const MapLayer& layer, double value) {
-  return std::isfinite(value) && (!layer.hidden_to || (layer.both_signs ? std::abs(value) : value) > *layer.hidden_to);
+  return std::isfinite(value) &&
+         (!layer.hidden_to || (layer.scale == MapScale::about_zero ? std::abs(value) : value) > *layer.hidden_to);
 }
 
 std::vector<PlanLine> release_lines(const MapPicture& picture) {
@@ -274,7 +275,7 @@ class MapPage {
         c1 = std::max(c1, column);
         r0 = std::min(r0, row);
         r1 = std::max(r1, row);
-        drawn.push_back(layer.both_signs ? std::abs(v.at(column, row)) : v.at(column, row));
+        drawn.push_back(layer.scale == MapScale::about_zero ? std::abs(v.at(column, row)) : v.at(column, row));
       }
     if (drawn.empty()) return;
     PlanRaster part =
@@ -293,7 +294,7 @@ class MapPage {
     const double end = drawn[std::size_t(0.995 * double(drawn.size() - 1))];
     const double begin = layer.hidden_to ? *layer.hidden_to : drawn.front();
     scale_end_ = end > begin ? end : begin + 1;
-    if (layer.both_signs) {
+    if (layer.scale == MapScale::about_zero) {
       add("set palette defined (-3 '#053061', -2 '#2166ac', -1 '#74add1', 0 '#f7f7f7', 1 '#f4a582', 2 '#b2182b', 3 "
           "'#67001f')");
       add(fmt::format("set cbrange [{:.4g}:{:.4g}]", -*scale_end_, *scale_end_));
@@ -301,6 +302,12 @@ class MapPage {
       add("set palette defined (0 '#f0f921', 1 '#fdb42f', 2 '#ed7953', 3 '#cc4778', 4 '#9c179e', 5 '#5c01a6', 6 "
           "'#0d0887')");
       add(fmt::format("set cbrange [{:.4g}:{:.4g}]", begin, *scale_end_));
+    }
+    if (layer.scale == MapScale::logarithmic && end > 0) {
+      // Down to a round power of ten; what is lower has the lowest colour.
+      const double low = std::pow(10, std::floor(std::log10(std::max(end / 1000, drawn.front())) + 1e-9));
+      add("set logscale cb");
+      add(fmt::format("set cbrange [{:.4g}:{:.4g}]", low, end > low ? end : 10 * low));
     }
     add_plot(fmt::format("{} with image", binary("_layer.bin", "%float32", part.columns, part.rows, part.middle(0, 0),
                                                  {part.pixel, part.pixel}, "1")));
@@ -500,10 +507,10 @@ class MapPage {
                     bar / height_));
     add("set cbtics font ',12' tc '#333333' scale 0.6");
     y -= bar + 26;
-    add_text(
-        x, y,
-        fmt::format("largest{}: {} {}", layer.both_signs ? " either way" : "", three_digits(*largest_), layer.unit),
-        "font ',12' tc '#333333'");
+    add_text(x, y,
+             fmt::format("largest{}: {} {}", layer.scale == MapScale::about_zero ? " either way" : "",
+                         three_digits(*largest_), layer.unit),
+             "font ',12' tc '#333333'");
     return y - 44;
   }
 

@@ -16,14 +16,18 @@ struct PlanBox {
   Vec<2> low{}, high{};
 };
 
-/// A quantity in colours. Pixels without a number, or whose number is not above `hidden_to`, stay free; of quantities
-/// with `both_signs`, those whose magnitude is not: what has sunk is blue, what has risen red.
+/// How colours go with values: about zero, blue below and red above, as far to both sides; with the logarithm over three
+/// decades at most.
+enum class MapScale { linear, logarithmic, about_zero };
+
+/// A quantity in colours. Pixels without a number, or whose number is not above `hidden_to`, stay free; of those about
+/// zero, whose magnitude is not.
 struct MapLayer {
   PlanRaster values;
   std::string words;  ///< beside the colours: "Peak flow thickness"
   std::string unit;
   std::optional<double> hidden_to = 0;
-  bool both_signs = false;
+  MapScale scale = MapScale::linear;
 };
 
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.

@@ -13,6 +13,8 @@ namespace talus::page_parts {
 
 TALUS_PART(viewer_html, TALUS_REPORT "/viewer.html")
 TALUS_PART(viewer_js, TALUS_REPORT "/viewer.js")
+TALUS_PART(map_html, TALUS_REPORT "/map.html")
+TALUS_PART(map_js, TALUS_REPORT "/map.js")
 TALUS_PART(curves_js, TALUS_REPORT "/curves.js")
 TALUS_PART(report_css, TALUS_REPORT "/report.css")
 TALUS_PART(licences_html, TALUS_REPORT "/licences.html")

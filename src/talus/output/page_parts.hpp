@@ -8,6 +8,8 @@ namespace talus::page_parts {
 
 std::string_view viewer_html();
 std::string_view viewer_js();
+std::string_view map_html();
+std::string_view map_js();
 std::string_view curves_js();
 std::string_view report_css();
 std::string_view licences_html();

@@ -15,6 +15,7 @@
 #include "talus/base/units.hpp"
 #include "talus/output/case_in_words.hpp"
 #include "talus/output/map_picture.hpp"
+#include "talus/output/map_view.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/page.hpp"
 #include "talus/output/page_parts.hpp"
@@ -121,7 +122,9 @@ std::string title_section(const Case& case_, const RunSummary& run) {
 }
 
 /// What the maps say, and the maps.
-std::string maps_section(const Runout& r, const std::vector<Picture>& maps) {
+std::string maps_section(const std::filesystem::path& folder, const Case& case_, const RunSummary& run,
+                         const std::vector<Picture>& maps) {
+  const Runout& r = *run.runout;
   std::string section = "<h2>Maps</h2>\n<table>\n";
   const auto row = [&](const char* name, const std::string& value) {
     section += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", name, value);
@@ -140,8 +143,14 @@ std::string maps_section(const Runout& r, const std::vector<Picture>& maps) {
   section +=
       "</table>\n<p>Thickness is normal to the ground. Speed and arrival are told where material is thicker than "
       "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
+  try {
+    section += map_view(folder / "maps", case_, run.case_text);
+  } catch (const std::exception& e) {  // a report without this map is better than none
+    section += "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
+  }
+  section += "<div class=\"charts\">\n";
   for (const Picture& p : maps) section += embedded_figure(p.file, p.caption);
-  return section;
+  return section + "</div>\n";
 }
 
 std::string outline_section(const Case& case_, const Outline& start, const Outline& end) {
@@ -286,7 +295,7 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
   std::ostringstream page;
   page << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
        << page_parts::licences_html() << title_section(case_, run);
-  if (run.runout) page << maps_section(*run.runout, pictures);
+  if (run.runout) page << maps_section(folder, case_, run, pictures);
   page << "<h2>Particles</h2>\n" << particles_section(folder, case_, run);
   page << "<h2>In time</h2>\n<p>Point at a curve to read it off; drag over it to enlarge a part, double-click to see "
           "all "

@@ -1,13 +1,16 @@
 #include "talus/output/terrain_maps.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <zlib.h>
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 
+#include "talus/base/file.hpp"
 #include "talus/base/units.hpp"
+#include "talus/case/defaults.hpp"
 #include "talus/mpm/start/filling.hpp"
 #include "talus/output/map_picture.hpp"
 #include "talus/output/raster_file.hpp"
@@ -28,6 +31,12 @@ std::string plain(const std::string& name) {
 
 /// Stands for `none` in the state of a run: no map holds a negative number, and JSON knows no NaN.
 constexpr double no_number = -1;
+
+fs::path frames_of(const fs::path& folder) { return folder / "frames"; }
+fs::path list_of_frames(const fs::path& folder) { return frames_of(folder) / "frames.json"; }
+fs::path file_of_frame(const fs::path& folder, std::size_t number, const char* what) {
+  return frames_of(folder) / fmt::format("frame_{:04d}_{}.tif", number, what);
+}
 
 PlanRaster scaled(PlanRaster raster, double factor) {
   for (double& value : raster.values) value *= factor;
@@ -91,26 +100,91 @@ PlanRaster release_of(const Case& case_) {
   return release;
 }
 
+std::string name_of_maps(const Case& case_, const std::string& case_text) {
+  const auto number =
+      ::crc32_z(0, reinterpret_cast<const unsigned char*>(case_text.data()), case_text.size());  // NOLINT: zlib's type
+  return fmt::format("{}_{:08x}_null_talus", plain(case_.bodies.front().name), number);
+}
+
+fs::path map_file(const fs::path& folder, const Case& case_, const std::string& case_text, const std::string& what) {
+  return folder /
+         fmt::format("{}_{}.{}", name_of_maps(case_, case_text), what, case_.map && case_.map->geotiff ? "tif" : "asc");
+}
+
+std::vector<MapFiles> map_frames(const fs::path& folder) {
+  std::vector<MapFiles> frames;
+  const fs::path list = list_of_frames(folder);
+  if (!fs::exists(list)) return frames;
+  try {
+    for (const auto& frame : nlohmann::json::parse(contents_of(list)))
+      frames.push_back({frame.at("time"), list.parent_path() / frame.at("thickness").get<std::string>(),
+                        list.parent_path() / frame.at("speed").get<std::string>()});
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("the list of maps {} could not be read: {}", list.string(), e.what()));
+  }
+  return frames;
+}
+
 TerrainMaps::TerrainMaps(fs::path folder, const Case& case_, const std::string& case_text,
                          std::span<const double> so_far)
     : folder_(std::move(folder)), case_(case_) {
   if (!case_.map) return;
-  const auto number =
-      ::crc32_z(0, reinterpret_cast<const unsigned char*>(case_text.data()), case_text.size());  // NOLINT: zlib's type
-  name_ = fmt::format("{}_{:08x}_null_talus", plain(case_.bodies.front().name), number);
+  name_ = name_of_maps(case_, case_text);
+  next_frame_.interval = case_.output.maps.frames.value_or(default_map_frames(case_).value);
+  if (!so_far.empty()) {  // the frames stand before the rest
+    const auto n = std::size_t(so_far[2]);
+    next_frame_.next = so_far[0];
+    next_frame_.last = so_far[1];
+    frame_times_.assign(so_far.begin() + 3, so_far.begin() + 3 + std::ptrdiff_t(n));
+    so_far = so_far.subspan(3 + n);
+  }
   std::vector<double> state(so_far.begin(), so_far.end());
   std::ranges::replace(state, no_number, PlanRaster::none);
   maps_.emplace(*case_.map->ground, pixels_of_maps(case_), *case_.output.maps.interval,
                 *case_.output.maps.least_thickness, state);
-  fs::create_directories(folder_);
+  fs::create_directories(frames_of(folder_));
+  // Frames of another run, or of one that has gone further, are removed.
+  std::vector<fs::path> later;
+  for (const auto& entry : fs::directory_iterator(frames_of(folder_))) {
+    int number;
+    const std::string file = entry.path().filename();
+    if (std::sscanf(file.c_str(), "frame_%d_", &number) == 1 && number >= int(frame_times_.size()))
+      later.push_back(entry.path());
+  }
+  for (const fs::path& path : later) fs::remove(path);
+  list_frames();
 }
 
 std::vector<double> TerrainMaps::state() const {
   if (!maps_) return {};
-  std::vector<double> state = maps_->state();
+  std::vector<double> state = {next_frame_.next, next_frame_.last, double(frame_times_.size())};
+  state.insert(state.end(), frame_times_.begin(), frame_times_.end());
+  const std::vector<double> peaks = maps_->state();
+  state.insert(state.end(), peaks.begin(), peaks.end());
   std::ranges::replace_if(
       state, [](double x) { return std::isnan(x); }, no_number);
   return state;
+}
+
+void TerrainMaps::list_frames() const {
+  nlohmann::json frames = nlohmann::json::array();
+  for (std::size_t i = 0; i < frame_times_.size(); ++i)
+    frames.push_back({{"time", frame_times_[i]},
+                      {"thickness", file_of_frame(folder_, i, "thickness").filename().string()},
+                      {"speed", file_of_frame(folder_, i, "speed").filename().string()}});
+  write_whole(list_of_frames(folder_), frames.dump(1) + "\n");
+}
+
+void TerrainMaps::write_frame(double time, const FlowMap& map) {
+  const std::size_t number = frame_times_.size();
+  const auto write = [&](const char* what, const PlanRaster& raster, const char* unit, const char* meaning) {
+    write_raster(file_of_frame(folder_, number, what), raster, case_.map->frame, RasterFormat::geotiff, unit,
+                 fmt::format("{} at {:.6g} s", meaning, time));
+  };
+  write("thickness", map.thickness, "m", "Thickness normal to the ground");
+  write("speed", map.speed, "m/s", "Speed");
+  frame_times_.push_back(time);
+  list_frames();
 }
 
 void TerrainMaps::write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
@@ -179,23 +253,25 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
   MapsAtEnd result;
   if (!maps_) return result;
   const FlowMap end = maps_->now(points);
+  if (frame_times_.empty() || frame_times_.back() < time) write_frame(time, end);
   const double least = *case_.output.maps.least_thickness;
   struct Map {
     const char *what, *words, *unit;
     PlanRaster values;
     std::optional<double> hidden_to;
-    bool both_signs = false;
+    MapScale scale = MapScale::linear;
   };
-  const Map all[] = {{"pft", "Peak flow thickness", "m", maps_->peak_thickness(), least},
-                     {"pfv", "Peak flow speed", "m/s", maps_->peak_speed(), 0},
-                     {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0},
-                     {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
-                     {"deposit", "Thickness at the end", "m", end.thickness, least},
-                     {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, true}};
+  const Map all[] = {
+      {"pft", "Peak flow thickness", "m", maps_->peak_thickness(), least},
+      {"pfv", "Peak flow speed", "m/s", maps_->peak_speed(), 0},
+      {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0, MapScale::logarithmic},
+      {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
+      {"deposit", "Thickness at the end", "m", end.thickness, least},
+      {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, MapScale::about_zero}};
   for (const Map& map : all) {
     write_raster_of(map.what, map.values, map.unit, map.words);
     MapPicture picture = picture_of(case_);
-    picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to, map.both_signs};
+    picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to, map.scale};
     picture.notes = {fmt::format("until {:.1f} s", time)};
     const fs::path png = folder_ / fmt::format("{}.png", map.what);
     if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "talus/case/case.hpp"
+#include "talus/output/checkpoint.hpp"
 #include "talus/output/flow_maps.hpp"
 #include "talus/output/picture.hpp"
 
@@ -38,6 +39,23 @@ struct MapsAtEnd {
   Runout runout;
 };
 
+/// Thickness and speed at an instant of a run: GeoTIFF files on the pixels of its maps.
+struct MapFiles {
+  double time;  ///< [s]
+  std::filesystem::path thickness, speed;
+};
+
+/// The name that all maps of a run have in common: RELEASE_ID_null_talus.
+std::string name_of_maps(const Case& case_, const std::string& case_text);
+
+/// The map of a whole run that shows `what` (pft, pfv, ...), in the folder of its maps; not every run has all.
+std::filesystem::path map_file(const std::filesystem::path& folder, const Case& case_, const std::string& case_text,
+                               const std::string& what);
+
+/// The instants in the folder of a run's maps, in their order; none if there is no list of them. Throws
+/// std::runtime_error if the list cannot be read.
+std::vector<MapFiles> map_frames(const std::filesystem::path& folder);
+
 /// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
 /// body, a number made of the case, and pft (peak flow thickness, m), pfv (peak flow velocity, m/s), ppr (peak pressure,
 /// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
@@ -53,17 +71,22 @@ class TerrainMaps {
   /// Whether an instant counts for peaks, or is the first after one.
   bool due(double time) const { return maps_ && maps_->due(time); }
   void add(double time, const FlowPoints& points) { maps_->add(time, points); }
+  /// Whether thickness and speed are due for what the report plays, each `output.maps.frames`.
+  bool frame_due(double time) { return maps_ && next_frame_.due(time); }
+  void add_frame(double time, const FlowPoints& points) { write_frame(time, maps_->now(points)); }
   /// Everything that decides what is to come; finite numbers.
   std::vector<double> state() const;
 
   /// Thickness and speed at an instant as rasters, in a case with terrain.
   void write_instant(double time, const FlowPoints& points);
-  /// Peaks, arrival and deposit as rasters and pictures, at the end of a run.
+  /// Peaks, arrival and deposit as rasters and pictures, and the last frame, at the end of a run.
   MapsAtEnd write(double time, const FlowPoints& points);
 
   bool any() const { return maps_.has_value(); }
 
  private:
+  void write_frame(double time, const FlowMap& map);
+  void list_frames() const;
   Runout runout(const FlowMap& end) const;
   PlanRaster change_of_surface(const FlowMap& end);
   void write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
@@ -73,6 +96,8 @@ class TerrainMaps {
   const Case& case_;
   std::string name_;  ///< of the files, without what they show
   std::optional<FlowMaps> maps_;
+  Schedule next_frame_;
+  std::vector<double> frame_times_;  ///< [s]
 };
 
 /// Draws the terrain of a case with what is released, and the domain. Returns whether there is gnuplot to do it.
