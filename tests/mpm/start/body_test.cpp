@@ -145,16 +145,16 @@ TEST(MemoryOfParticles, IsWhatTransferOrderAndLoadsNeed) {
 }
 
 TEST(MemoryOfParticles, IsEstimatedFromTheirNumberAndColumns) {
-  // Eight particles of 14 numbers (place 2, velocity 2, mass, volume, id, stress 6, volume ratio) and a snapshot of 20
-  // (position is not counted: velocity 3, body, id, mass, volume, stress 6, p, q, shear rate, spin 3, volume ratio).
+  // Eight particles of 14 numbers (place 2, velocity 2, mass, volume, id, stress 6, volume ratio) and a snapshot of 21
+  // (position is not counted: velocity 3, body, id, ancestor, mass, volume, stress 6, p, q, shear rate, spin 3, volume ratio).
   Case what = block();
-  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (14 + 20));
+  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (14 + 21));
   what.loads = {{"elsewhere", 1, 3, {0, -1, 0}, {}}};
-  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (14 + 20));
+  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (14 + 21));
   what.loads = {{"here", 0, 3, {0, -1, 0}, {}}};
-  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (15 + 20)) << "and its area";
+  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (15 + 21)) << "and its area";
   what.numerics.transfer = Transfer::apic;
-  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (19 + 20)) << "and four moments of velocity";
+  EXPECT_EQ(estimated_bytes(what), 8 * 8 * (19 + 21)) << "and four moments of velocity";
 }
 
 }  // namespace talus::start_body_test
