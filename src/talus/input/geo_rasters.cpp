@@ -117,7 +117,7 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
   }
 }
 
-GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit) {
+GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterContent content) {
   const GeoLibrary library;
   const std::array<const char*, 2> drivers{"GTiff", nullptr};
   const std::unique_ptr<GDALDataset> data(GDALDataset::Open(
@@ -144,9 +144,9 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit) {
   if (const OGRSpatialReference* projection = data->GetSpatialRef()) {
     const PlanRaster& r = read.raster;
     expect_metres(*projection, path, "gdalwarp", 0.5 * (r.corner + r.far_corner()));
-    expect_units(band, *projection, metres_per_unit, path);
+    if (content != RasterContent::results) expect_units(band, *projection, metres_per_unit, path);
     read.projection = wkt_of(*projection);
-  } else {
+  } else if (content != RasterContent::results) {
     expect_units(band, OGRSpatialReference(), metres_per_unit, path);
   }
   read_values(band, path, down, read.raster, library);
@@ -183,7 +183,8 @@ void finish(PlanRaster& raster, double metres_per_unit, RasterContent content, c
           "meant as no data",
           path, value, place, lowest_ground, highest_ground));
     }
-  if (!any) throw std::runtime_error(fmt::format("{} holds no number at all: every pixel is without data", path));
+  if (!any && content != RasterContent::results)
+    throw std::runtime_error(fmt::format("{} holds no number at all: every pixel is without data", path));
 }
 
 }  // namespace
@@ -194,7 +195,7 @@ GeoRaster read_geo_raster(const std::string& path, double metres_per_unit, Raste
   if (!tiff && !looks_like_ascii_raster(path))
     throw std::runtime_error(fmt::format(
         "{} is neither an ESRI ASCII raster nor a GeoTIFF; convert it: gdal_translate -of GTiff IN OUT", path));
-  GeoRaster read = tiff ? read_geo_tiff(path, metres_per_unit) : read_ascii(path);
+  GeoRaster read = tiff ? read_geo_tiff(path, metres_per_unit, content) : read_ascii(path);
   finish(read.raster, metres_per_unit, content, path);
   return read;
 }
