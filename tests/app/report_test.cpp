@@ -64,6 +64,13 @@ pictures = ["0.1 s"]
   EXPECT_EQ(run("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/app/use_report.py " + out), 0) << said();
 }
 
+TEST_F(Report, TheMapShowsWhatTheRastersHold) {
+  const std::string out = (folder_ / "out").string();
+  ASSERT_EQ(run(TALUS_PROGRAM " run " TALUS_SOURCE_DIR "/cases/landslide.toml --until \"3 s\" --out " + out), 0)
+      << said();
+  EXPECT_EQ(run("/usr/bin/python3 " TALUS_SOURCE_DIR "/tests/app/use_report.py " + out), 0) << said();
+}
+
 TEST_F(Report, AFolderWithoutOneIsNamed) {
   EXPECT_NE(run(TALUS_PROGRAM " view " + folder_.string()), 0);
   EXPECT_NE(said().find("holds no report.html"), std::string::npos) << said();

@@ -174,6 +174,83 @@ def use(page):
         page.save_screenshot(sys.argv[2])
 
 
+def use_map(page):
+    """The map of a run on terrain: layers, instants and values under the pointer, against the files parsed here."""
+    page.get(report)
+
+    def element(name):
+        return page.find_element(By.ID, name)
+
+    def state():
+        return page.execute_script("return window.talus_map.state()")
+
+    def wait(condition):
+        WebDriverWait(page, 60).until(lambda _: condition())
+
+    def asc(what):
+        lines = next((folder / "maps").glob(f"*_{what}.asc")).read_text().split("\n")
+        head = {key.lower(): float(value) for key, value in (line.split() for line in lines[:6])}
+        numbers = numpy.array([line.split() for line in lines[6:] if line], dtype=float)
+        assert numpy.shape(numbers) == (head["nrows"], head["ncols"])
+        return head, numbers
+
+    def at(head, numbers, east, north):
+        column = int((east - head["xllcorner"]) // head["cellsize"])
+        row = int(head["nrows"]) - 1 - int((north - head["yllcorner"]) // head["cellsize"])
+        return numbers[row, column]
+
+    wait(lambda: page.execute_script("return window.talus_map && window.talus_map.state().ready"))
+    page.execute_script("document.getElementById('map_view').scrollIntoView()")
+    canvas = element("map_canvas")
+    size = canvas.size
+    for what, name in (("pft", "Peak flow thickness"), ("pfv", "Peak flow speed"), ("ppr", "Peak dynamic pressure"),
+                       ("arrival", "Time of arrival"), ("deposit", "Deposit thickness")):
+        Select(element("map_layer")).select_by_value([o.get_attribute("value") for o in Select(element("map_layer")).options
+                                                      if o.text.startswith(name)][0])
+        wait(lambda: state()["layer"] == what)
+        head, numbers = asc(what)
+        rows, columns = numpy.where(numbers > 0)
+        for i in range(0, len(rows), max(1, len(rows) // 7)):
+            east = head["xllcorner"] + (columns[i] + 0.5) * head["cellsize"]
+            north = head["yllcorner"] + (head["nrows"] - rows[i] - 0.5) * head["cellsize"]
+            value = numbers[rows[i], columns[i]]
+            wait(lambda: abs(page.execute_script(f"return window.talus_map.value_at({east}, {north})") - value) <= 0.0025 * value)
+            u, v = page.execute_script(f"return window.talus_map.screen({east}, {north})")
+            ActionChains(page).move_to_element_with_offset(canvas, int(u - size["width"] / 2), int(v - size["height"] / 2)).perform()
+            words = element("map_reading").text
+            assert words.startswith(name + ": "), words
+            e, n = float(words.split("east ")[1].split(",")[0]), float(words.split("north ")[1].split(" ")[0])
+            read, there = float(words.split(": ")[1].split(" ")[0]), at(head, numbers, e, n)
+            assert abs(e - east) < head["cellsize"] and abs(read - there) <= 0.0075 * there, (words, there)
+            ground = float(words.split("ground ")[1].split(" ")[0])
+            assert 0 < ground < 9000, words
+
+    # Scrubbing shows the maps in time; the last instant is the deposit.
+    element("map_instant").send_keys(Keys.END)
+    wait(lambda: state()["layer"] == "thickness" and state()["frame"] == state()["frames"] - 1)
+    assert state()["frames"] == len(json.loads((folder / "maps/frames/frames.json").read_text())) >= 4
+    wait(lambda: element("map_time").text == "t = {:g} s".format(float("{:.3g}".format(state()["time"]))))
+    head, numbers = asc("deposit")
+    rows, columns = numpy.where(numbers > 0)
+    for i in range(0, len(rows), 5):
+        east = head["xllcorner"] + (columns[i] + 0.5) * head["cellsize"]
+        north = head["yllcorner"] + (head["nrows"] - rows[i] - 0.5) * head["cellsize"]
+        value = numbers[rows[i], columns[i]]
+        wait(lambda: abs(page.execute_script(f"return window.talus_map.value_at({east}, {north})") - value) <= 0.0025 * value)
+    element("map_play").click()
+    wait(lambda: state()["frame"] == 1)
+    element("map_play").click()
+    scale = state()["scale"]
+    element("map_in").click()
+    assert state()["scale"] > scale
+    for width in (390, 1440):
+        page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 844, "deviceScaleFactor": 1, "mobile": width < 500})
+        # no sideways scrolling
+        wait(lambda: page.execute_script("return document.documentElement.scrollWidth") <= width)
+    for entry in page.get_log("browser"):
+        raise AssertionError(entry)
+
+
 def use_without_webgl(page):
     page.get(report)
     assert page.find_element(By.ID, "without").is_displayed()
@@ -182,7 +259,9 @@ def use_without_webgl(page):
     assert page.find_element(By.CSS_SELECTOR, "#chart-front canvas").is_displayed()
 
 
-for visit, arguments in ((use, ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")), (use_without_webgl, ("--disable-3d-apis",))):
+webgl = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+visits = [(use_map, webgl)] if (folder / "maps").exists() else [(use, webgl), (use_without_webgl, ("--disable-3d-apis",))]
+for visit, arguments in visits:
     page = browser(*arguments)
     try:
         visit(page)

@@ -117,6 +117,8 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
   }
 }
 
+bool is_length(RasterContent content) { return content == RasterContent::any || content == RasterContent::heights; }
+
 GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterContent content) {
   const GeoLibrary library;
   const std::array<const char*, 2> drivers{"GTiff", nullptr};
@@ -144,9 +146,9 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterC
   if (const OGRSpatialReference* projection = data->GetSpatialRef()) {
     const PlanRaster& r = read.raster;
     expect_metres(*projection, path, "gdalwarp", 0.5 * (r.corner + r.far_corner()));
-    if (content != RasterContent::classes) expect_units(band, *projection, metres_per_unit, path);
+    if (is_length(content)) expect_units(band, *projection, metres_per_unit, path);
     read.projection = wkt_of(*projection);
-  } else if (content != RasterContent::classes) {
+  } else if (is_length(content)) {
     expect_units(band, OGRSpatialReference(), metres_per_unit, path);
   }
   read_values(band, path, down, read.raster, library);
@@ -187,7 +189,8 @@ void finish(PlanRaster& raster, double metres_per_unit, RasterContent content, c
           "meant as no data",
           path, value, place, lowest_ground, highest_ground));
     }
-  if (!any) throw std::runtime_error(fmt::format("{} holds no number at all: every pixel is without data", path));
+  if (!any && content != RasterContent::results)
+    throw std::runtime_error(fmt::format("{} holds no number at all: every pixel is without data", path));
 }
 
 }  // namespace

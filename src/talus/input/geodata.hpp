@@ -24,7 +24,8 @@ struct GeoRaster {
 };
 
 enum class RasterContent {
-  any,
+  any,      ///< lengths
+  results,  ///< of a run: in units that are no lengths; these are not held against anything
   heights,  ///< above the sea: refused where one lies beyond what the Earth has
   classes,  ///< whole numbers, which have no unit
 };

@@ -104,7 +104,7 @@ std::string map_view(const std::filesystem::path& folder, const Case& case_, con
                      std::size_t most_frames) {
   const MapFrame& frame = case_.map->frame;
   const auto read = [&](const std::filesystem::path& file) {
-    PlanRaster raster = read_geo_raster(file.string()).raster;
+    PlanRaster raster = read_geo_raster(file.string(), 1, RasterContent::results).raster;
     make_relative(raster, frame.origin);
     return raster;
   };

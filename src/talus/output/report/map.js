@@ -48,7 +48,7 @@
       const all = [0, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000];
       return all.slice(0, Math.max(2, all.findIndex((l) => l >= most)));
     }
-    const step = round_step(most / 7);
+    const step = round_step(most / 9);
     return Array.from({length: Math.max(1, Math.ceil(most / step - 1e-9))}, (_, i) => i * step);
   }
   const thickness = layers.find((l) => l.id === "pft"), speed = layers.find((l) => l.id === "pfv");
