@@ -45,8 +45,9 @@
   function classes_of(layer) {
     const range = layer.packed.range || [0, 0, 1, 1], most = range[3] > 0 ? range[3] : 1;
     if (layer.scale === "logarithmic") {
-      const all = [0, 1, 3, 10, 30, 100, 300, 1000, 3000, 10000];
-      return all.slice(0, Math.max(2, all.findIndex((l) => l >= most)));
+      const all = [];
+      for (let e = -3; e < 9; ++e) for (const m of [1, 3]) if (m * 10 ** e < most) all.push(m * 10 ** e);
+      return [0, ...all.slice(-7)];
     }
     const step = round_step(most / 9);
     return Array.from({length: Math.max(1, Math.ceil(most / step - 1e-9))}, (_, i) => i * step);
