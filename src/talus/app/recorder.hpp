@@ -8,6 +8,7 @@
 #include "talus/app/task.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/checkpoint.hpp"
+#include "talus/output/gauges.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/picture.hpp"
@@ -53,6 +54,7 @@ class Recorder {
   const PictureBook& pictures() const { return pictures_; }
   const PressureNoise& noise() const { return noise_; }
   TerrainMaps& maps() { return maps_; }
+  const Gauges& gauges() const { return gauges_; }
   /// Whether kinetic energy has been below the share of its peak at which the run is over, for as long as things take to
   /// fall by the height of the bodies: ground that settles bounces before it flows.
   bool has_come_to_rest(const Simulation& simulation) const;
@@ -71,6 +73,7 @@ class Recorder {
   PictureBook pictures_;
   PressureNoise noise_;
   TerrainMaps maps_;
+  Gauges gauges_;
   double stop_below_;                  ///< share of the largest kinetic energy; 0: never
   double stop_after_;                  ///< [s]
   std::vector<double> picture_times_;  ///< to come, ascending [s]

@@ -77,6 +77,9 @@ inline constexpr Parameter map_interval{"interval", "s", Range::positive(),
 inline constexpr Parameter least_thickness{"least_thickness", "m", Range::positive(),
                                            "upright thickness from which on speed and arrival are told"};
 inline constexpr Parameter map_pixel{"pixel", "m", Range::positive(), "edge of the maps' pixels"};
+// [thalweg]
+inline constexpr Parameter thalweg_width{"width", "m", Range::positive(),
+                                         "of the strip around it in which flow counts, half of it on either side"};
 /// Of a run until `end`; one of unknown length is not held against anything.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),

@@ -16,14 +16,15 @@ namespace talus {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Schedule, interval, next, last)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSoFar, case_file, case_text, end, time, step, history_bytes, surface_bytes,
-                                   snapshots, instants, next_snapshot, next_row, pressure_noise, maps, map_checksum,
-                                   peak_kinetic, last_flow, wall_seconds, cpu_seconds, resumed_at)
+                                   gauge_bytes, snapshots, instants, next_snapshot, next_row, pressure_noise, maps,
+                                   profile, gauges, map_checksum, peak_kinetic, last_flow, wall_seconds, cpu_seconds,
+                                   resumed_at)
 
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kind = "talus checkpoint ", format = "4\n";
+constexpr std::string_view kind = "talus checkpoint ", format = "5\n";
 constexpr std::string_view run_so_far = "the run so far";  // the array that holds bytes of JSON, not numbers
 
 std::uint32_t checksum(std::uint32_t before, const void* bytes, std::size_t n) {

@@ -10,6 +10,7 @@
 #include "talus/case/case.hpp"
 #include "talus/output/flow_maps.hpp"
 #include "talus/output/picture.hpp"
+#include "talus/output/thalweg_profile.hpp"
 
 namespace talus {
 
@@ -36,6 +37,7 @@ struct Runout {
 struct MapsAtEnd {
   std::vector<Picture> pictures;  ///< none without gnuplot
   Runout runout;
+  std::optional<ThalwegRunout> thalweg;  ///< none without a thalweg, or if no flow has been there
 };
 
 /// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
@@ -43,20 +45,21 @@ struct MapsAtEnd {
 /// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
 class TerrainMaps {
  public:
-  /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` what `state` gave before
-  /// the run was stopped.
+  /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` and
+  /// `profile_so_far` what `state` and `profile_state` gave before the run was stopped.
   TerrainMaps(std::filesystem::path folder, const Case& case_, const std::string& case_text,
-              std::span<const double> so_far = {});
+              std::span<const double> so_far = {}, std::span<const double> profile_so_far = {});
 
   /// Whether an instant counts for peaks, or is the first after one.
   bool due(double time) const { return maps_ && maps_->due(time); }
   void add(double time, const FlowPoints& points) { maps_->add(time, points); }
   /// Everything that decides what is to come; finite numbers.
   std::vector<double> state() const;
+  std::vector<double> profile_state() const { return profile_ ? profile_->state() : std::vector<double>{}; }
 
   /// Thickness and speed at an instant as rasters, in a case with terrain.
   void write_instant(double time, const FlowPoints& points);
-  /// Peaks, arrival and deposit as rasters and pictures, at the end of a run.
+  /// Peaks, arrival and deposit as rasters and pictures, and the profile along the thalweg, at the end of a run.
   MapsAtEnd write(double time, const FlowPoints& points);
 
   bool any() const { return maps_.has_value(); }
@@ -70,6 +73,7 @@ class TerrainMaps {
   const Case& case_;
   std::string name_;  ///< of the files, without what they show
   std::optional<FlowMaps> maps_;
+  std::optional<ThalwegProfile> profile_;
 };
 
 /// Draws the terrain of a case with what is released, and the domain. Returns whether there is gnuplot to do it.
