@@ -41,8 +41,9 @@ Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outli
       snapshots_(task.folder, *task.input.case_.output.fields, so_far_.snapshots),
       pictures_(task.folder / "pictures", task.input.case_, so_far_.instants),
       noise_(task.input.case_, so_far_.pressure_noise),
-      maps_(task.folder / "maps", task.input.case_, task.case_text, so_far_.maps),
+      maps_(task.folder / "maps", task.input.case_, task.case_text, so_far_.maps, so_far_.profile),
       forces_(task.input.case_, so_far_.forces),
+      gauges_(task.folder / "gauges.csv", task.input.case_, so_far_.gauges, so_far_.gauge_bytes),
       stop_below_(task.input.case_.stop_below),
       stop_after_(time_of_fall(task.input.case_)),
       picture_times_(*task.input.case_.output.pictures),
@@ -72,12 +73,17 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   so_far_.peak_kinetic = std::max(so_far_.peak_kinetic, simulation.ledger().kinetic);
   if (simulation.ledger().kinetic >= stop_below_ * so_far_.peak_kinetic) so_far_.last_flow = t;
   forces_.follow(t, simulation.surfaces());
-  if (maps_.due(t)) maps_.add(t, simulation.flow());
-  if (maps_.frame_due(t)) maps_.add_frame(t, simulation.flow());
+  const bool map = maps_.due(t), frame = maps_.frame_due(t);
   if (noise_.due(t)) noise_.add(t, simulation.pressures());
   const bool picture = picture_is_due(t);
   const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);
   const bool row = so_far_.next_row.due(t) || (is_end && so_far_.next_row.last != t);
+  if (map || frame || (row && gauges_.any())) {
+    const FlowPoints flow = simulation.flow();
+    if (map) maps_.add(t, flow);
+    if (frame) maps_.add_frame(t, flow);
+    if (map || row) gauges_.add(t, flow, row);
+  }
   if (row || snapshot) {
     const Outline outline = outlines_.find(simulation.places());
     if (row) history_.add(simulation.ledger(), outline, forces_.row());
@@ -105,11 +111,15 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   so_far_.surface_bytes = surfaces_.bytes();
   put_on_disk(history_.file());
   put_on_disk(surfaces_.file());
+  so_far_.gauge_bytes = gauges_.bytes();
+  so_far_.gauges = gauges_.state();
+  if (gauges_.table()) put_on_disk(gauges_.table()->file());
   for (int i = int(so_far_.snapshots.size()); i < snapshots_.size(); ++i) put_on_disk(snapshots_.file(i));
   for (int i = int(so_far_.instants.size()); i < int(pictures_.times().size()); ++i) put_on_disk(pictures_.instant(i));
   so_far_.pressure_noise = noise_.state();
   so_far_.maps = maps_.state();
   so_far_.forces = forces_.state();
+  so_far_.profile = maps_.profile_state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
   checkpoints_.write(so_far_, simulation);

@@ -8,6 +8,7 @@
 #include "talus/app/task.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/checkpoint.hpp"
+#include "talus/output/gauges.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/picture.hpp"
@@ -55,6 +56,7 @@ class Recorder {
   const PressureNoise& noise() const { return noise_; }
   const SurfaceForces& forces() const { return forces_; }
   TerrainMaps& maps() { return maps_; }
+  const Gauges& gauges() const { return gauges_; }
   /// Whether kinetic energy has been below the share of its peak at which the run is over, for as long as things take to
   /// fall by the height of the bodies: ground that settles bounces before it flows.
   bool has_come_to_rest(const Simulation& simulation) const;
@@ -74,6 +76,7 @@ class Recorder {
   PressureNoise noise_;
   TerrainMaps maps_;
   SurfaceForces forces_;
+  Gauges gauges_;
   double stop_below_;                  ///< share of the largest kinetic energy; 0: never
   double stop_after_;                  ///< [s]
   std::vector<double> picture_times_;  ///< to come, ascending [s]

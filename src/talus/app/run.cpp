@@ -190,7 +190,9 @@ void Run::complete_summary() {
     MapsAtEnd maps = recorder_.maps().write(summary_.ledger.time, simulation_->flow());
     map_pictures_ = std::move(maps.pictures);
     summary_.runout = maps.runout;
+    summary_.thalweg = maps.thalweg;
   }
+  summary_.gauges = recorder_.gauges().summaries();
   summary_.came_to_rest = recorder_.has_come_to_rest(*simulation_) && simulation_->ledger().time < case_.end;
   summary_.noise = recorder_.noise().shares();
   summary_.bytes = simulation_->bytes();
@@ -223,9 +225,10 @@ void Run::write_results() {
   if (case_.map) {
     std::erase_if(charts, [](const Chart& chart) { return chart.name == "front" || chart.name == "height"; });
     drawn = map_pictures_;
+    for (Chart& chart : recorder_.gauges().charts()) charts.push_back(std::move(chart));
   }
   if (!drawn.empty())
-    for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / "history.csv", chart);
+    for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / chart.csv, chart);
   write_report(folder, case_, summary_, drawn, charts);
   print_results(drawn);
 }

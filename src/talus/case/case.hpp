@@ -177,6 +177,25 @@ struct MapSpec {
   bool operator==(const MapSpec&) const = default;
 };
 
+/// Where the flow over a terrain is measured: a place, or a line across it.
+struct Gauge {
+  std::string name;
+  /// In coordinates of the run [m]: one is a place, more are a line. Flow counts as positive towards the left of the way
+  /// from the first point to the last: downstream, if the line begins on the left bank.
+  std::vector<Vec<2>> points;
+
+  bool is_line() const { return points.size() > 1; }
+  bool operator==(const Gauge&) const = default;
+};
+
+/// The line down a slope along which runout is measured.
+struct Thalweg {
+  std::vector<Vec<2>> points;  ///< in coordinates of the run [m]; two or more, the first where the ground is higher
+  double width = 0;            ///< of the strip around it that counts, half of it on either side [m]
+
+  bool operator==(const Thalweg&) const = default;
+};
+
 struct OutputSpec {
   std::optional<double> snapshots;  ///< interval [s]; by default a share of the run
   std::optional<double> history;    ///< interval [s]; by default a share of the run
@@ -225,6 +244,8 @@ struct Case {
   double end = 0;         ///< [s]
   double stop_below = 0;  ///< share of its peak below which kinetic energy ends the run; 0: none
   OutputSpec output;
+  std::vector<Gauge> gauges;       ///< of a run on terrain
+  std::optional<Thalweg> thalweg;  ///< likewise
 
   bool operator==(const Case&) const = default;
 };

@@ -19,6 +19,7 @@ void check_loads(const Case& case_, std::vector<Mistake>& mistakes);
 void check_solids(const Case& case_, std::vector<Mistake>& mistakes);
 void check_numerics(const Case& case_, std::vector<Mistake>& mistakes);
 void check_output(const Case& case_, std::vector<Mistake>& mistakes);
+void check_gauges(const Case& case_, std::vector<Mistake>& mistakes);  ///< and the thalweg
 
 inline constexpr double most_cells_along_axis = 1e6;
 inline constexpr double most_particles = 2e8;

@@ -82,6 +82,9 @@ inline constexpr Parameter least_thickness{"least_thickness", "m", Range::positi
 inline constexpr Parameter map_pixel{"pixel", "m", Range::positive(), "edge of the maps' pixels"};
 inline constexpr Parameter map_frames{"frames", "s", Range::positive(),
                                       "time between the maps of thickness and speed that the report plays"};
+// [thalweg]
+inline constexpr Parameter thalweg_width{"width", "m", Range::positive(),
+                                         "of the strip around it in which flow counts, half of it on either side"};
 /// Of a run until `end`; one of unknown length is not held against anything.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),

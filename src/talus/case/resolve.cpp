@@ -94,7 +94,8 @@ Resolved resolve_read(Case case_) {
   for (Material& material : resolved.case_.materials) resolve_law(material);  // what follows asks the laws
   check_rough_surfaces(resolved.case_, resolved.mistakes);
   fill_in(resolved.case_);
-  for (const auto check : {check_domain, check_bodies, check_loads, check_solids, check_numerics, check_output})
+  for (const auto check :
+       {check_domain, check_bodies, check_loads, check_solids, check_numerics, check_output, check_gauges})
     check(resolved.case_, resolved.mistakes);
   return resolved;
 }

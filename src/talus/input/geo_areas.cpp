@@ -114,4 +114,8 @@ void make_relative(GeoPolygons& polygons, Vec<2> origin) {
       for (Vec<2>& point : ring) point = point - origin;
 }
 
+void make_relative(GeoLine& line, Vec<2> origin) {
+  for (Vec<2>& point : line.points) point = point - origin;
+}
+
 }  // namespace talus

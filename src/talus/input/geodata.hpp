@@ -60,6 +60,15 @@ struct GeoPolygons {
 /// that is one.
 GeoPolygons read_polygons(const std::string& path, const std::string& attribute = "");
 
+/// A line of the map, of two points or more.
+struct GeoLine {
+  std::vector<Vec<2>> points;
+  std::string projection;  ///< as WKT; empty if the file states none
+};
+
+/// Reads the one line of a shapefile, a GeoPackage or a GeoJSON.
+GeoLine read_line(const std::string& path);
+
 /// Area, less the holes [m2].
 double area(const GeoPolygon& polygon);
 bool contains(const GeoPolygon& polygon, Vec<2> place);
@@ -69,6 +78,7 @@ PlanRaster coverage(const GeoPolygon& polygon, const PlanRaster& pixels);
 /// Makes coordinates count from `origin`.
 void make_relative(PlanRaster& raster, Vec<2> origin);
 void make_relative(GeoPolygons& polygons, Vec<2> origin);
+void make_relative(GeoLine& line, Vec<2> origin);
 
 /// Whether two projections, as WKT, are the same but for their names, the order of their axes and their vertical part.
 /// An empty one is unknown and agrees with every other.

@@ -53,6 +53,17 @@ std::optional<GeoPolygons> read_outlines(Section& s, const Text& key, const std:
   return outlines;
 }
 
+std::vector<Vec<2>> read_map_line(Section& s, const Text& key, const std::string& folder, MapOfCase& map) {
+  const std::string file = s.text(key);
+  std::vector<Vec<2>> points;
+  if (file.empty()) return points;
+  complain_where_it_throws(s, key.key, [&] {
+    GeoLine read = read_line(path_in(folder, file));
+    if (bring_in(s, key.key, read.projection, map.frame, read)) points = std::move(read.points);
+  });
+  return points;
+}
+
 std::optional<PlanRaster> read_map_raster(Section& s, const Text& key, const std::string& folder, double metres,
                                           RasterContent content, MapOfCase& map) {
   const std::string file = s.text(key);

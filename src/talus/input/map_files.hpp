@@ -32,6 +32,8 @@ double metres_of(Section& s, const Text& unit);
 /// projection than the terrain; where the terrain has none stated, it takes over theirs.
 std::optional<GeoPolygons> read_outlines(Section& s, const Text& key, const std::string& folder,
                                          const std::string& attribute, MapOfCase& map);
+/// The points of the line of a file, likewise; none if it cannot be used.
+std::vector<Vec<2>> read_map_line(Section& s, const Text& key, const std::string& folder, MapOfCase& map);
 /// The values of a raster in m, likewise.
 std::optional<PlanRaster> read_map_raster(Section& s, const Text& key, const std::string& folder, double metres,
                                           RasterContent content, MapOfCase& map);

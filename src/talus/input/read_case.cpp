@@ -22,7 +22,7 @@ const Declaration& case_declaration() {
   static const Declaration d(
       "a case", {required(title_of_case), required(keys::domain), required(keys::materials), required(keys::bodies),
                  optional(keys::loads), optional(keys::solids), optional(keys::terrain), optional(keys::numerics),
-                 required(run_table), optional(keys::output)});
+                 required(run_table), optional(keys::output), optional(keys::gauges), optional(keys::thalweg)});
   return d;
 }
 
@@ -44,6 +44,7 @@ Case understand_case(Document& document, const std::string& folder) {
   case_.stop_below = run.optional_number(keys::stop_below).value_or(0);
   run.close();
   read_output(root, case_);
+  read_gauges(root, case_, folder);
   root.close();
   const Resolved resolved = resolve_read(std::move(case_));
   for (const Mistake& m : resolved.mistakes) root.complain(m);

@@ -25,6 +25,8 @@ const Declaration& release_declaration();
 const Declaration& motion_declaration();
 const Declaration& numerics_declaration();
 const Declaration& output_declaration();
+const Declaration& gauge_declaration();
+const Declaration& thalweg_declaration();
 
 // ---- sections of a case, each into its part of the case ----------------------------------------------------------
 
@@ -38,6 +40,8 @@ void read_loads(Section& root, Case& case_);
 void read_solids(Section& root, Case& case_, const std::string& folder);
 void read_numerics(Section& numerics, Case& case_);
 void read_output(Section& root, Case& case_);
+/// Gauges and thalweg, after the terrain.
+void read_gauges(Section& root, Case& case_, const std::string& folder);
 
 namespace keys {
 inline constexpr NamedTables materials{{"material", "what bodies are made of", material_declaration}};
@@ -48,6 +52,9 @@ inline constexpr Table terrain{"terrain", "the ground of a slope, from a raster 
 inline constexpr NamedTables solids{{"solid", "rigid solids inside the domain", solid_declaration}};
 inline constexpr Table numerics{"numerics", "how the equations are solved", numerics_declaration};
 inline constexpr Option preset{"preset", "where the defaults of the other keys come from", preset_choices};
+inline constexpr NamedTables gauges{
+    {"gauge", "places, and lines across the flow, of which gauges.csv has time histories", gauge_declaration}};
+inline constexpr Table thalweg{"thalweg", "the line down a slope along which runout is measured", thalweg_declaration};
 inline constexpr Table output{"output", "what is written", output_declaration};
 }  // namespace keys
 

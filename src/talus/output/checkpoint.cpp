@@ -16,8 +16,9 @@ namespace talus {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Schedule, interval, next, last)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSoFar, case_file, case_text, end, time, step, history_bytes, surface_bytes,
-                                   snapshots, instants, next_snapshot, next_row, pressure_noise, maps, forces,
-                                   map_checksum, peak_kinetic, last_flow, wall_seconds, cpu_seconds, resumed_at)
+                                   gauge_bytes, snapshots, instants, next_snapshot, next_row, pressure_noise, maps,
+                                   forces, profile, gauges, map_checksum, peak_kinetic, last_flow, wall_seconds,
+                                   cpu_seconds, resumed_at)
 
 namespace {
 

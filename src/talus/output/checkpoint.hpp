@@ -41,11 +41,14 @@ struct RunSoFar {
   long step = 0;
   long history_bytes = 0;                   ///< length of history.csv
   long surface_bytes = 0;                   ///< length of surface.csv
+  long gauge_bytes = 0;                     ///< length of gauges.csv
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of the instants in pictures [s]
   Schedule next_snapshot{}, next_row{};
   std::vector<double> pressure_noise;  ///< state of PressureNoise
   std::vector<double> maps;            ///< state of TerrainMaps
   std::vector<double> forces;          ///< state of SurfaceForces
+  std::vector<double> profile;         ///< state of the profile along the thalweg
+  std::vector<double> gauges;          ///< state of Gauges
   double map_checksum = 0;             ///< of the maps that the case has read
   double peak_kinetic = 0;             ///< largest kinetic energy so far [J]
   double last_flow = 0;                ///< when kinetic energy last was above the share of it that ends a run [s]

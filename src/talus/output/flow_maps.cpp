@@ -10,11 +10,10 @@
 
 namespace talus {
 
-namespace {
-
-/// The cube root of a number above zero, to 14 digits: an estimate from the exponent, within 4 %, and Halley's
-/// iteration. Twice as fast as std::cbrt, which would be half of the cost of a map.
-double cube_root(double v) {
+/// An estimate from the exponent, within 4 %, and Halley's iteration. Twice as fast as std::cbrt, which would be half of
+/// the cost of a map.
+double width_in_plan(double volume) {
+  const double v = volume;
   double y = std::bit_cast<double>(std::bit_cast<std::uint64_t>(v) / 3 + 0x2A9F7893782DA1CE);
   for (int i = 0; i < 2; ++i) {
     const double yyy = y * y * y;
@@ -22,6 +21,8 @@ double cube_root(double v) {
   }
   return y;
 }
+
+namespace {
 
 /// The part of an interval that lies on a row of pixels of edge 1, of which there are n.
 struct Footprint {
@@ -43,33 +44,37 @@ struct Footprint {
   double share_inside() const { return per_length * (high - low); }
 };
 
+/// Cosine of the ground's slope in the middle of each pixel.
+std::vector<double> cosines_of(const Terrain& ground, const PlanRaster& pixels) {
+  std::vector<double> cosines;
+  cosines.reserve(std::size_t(pixels.columns) * std::size_t(pixels.rows));
+  for (int row = 0; row < pixels.rows; ++row)
+    for (int column = 0; column < pixels.columns; ++column) {
+      const Vec<2> x = pixels.middle(column, row);
+      cosines.push_back(ground.at(x[0], x[1]).cosine());
+    }
+  return cosines;
+}
+
 }  // namespace
 
-/// What a column of material is on a map.
-struct FlowMaps::Flow {
-  double vertical_thickness, thickness;
-  bool is_thick;           ///< enough to have speed and pressure
-  double speed, pressure;  ///< NaN if not
-};
+FlowColumns::FlowColumns(PlanRaster pixels, std::vector<double> cosines, double least_thickness)
+    : pixels_(std::move(pixels)), cosines_(std::move(cosines)), least_thickness_(least_thickness) {
+  columns_.resize(std::size_t(pixels_.columns) * std::size_t(pixels_.rows));
+  assert(cosines_.size() == columns_.size());
+  touched_.assign(std::size_t(pixels_.rows), {pixels_.columns, 0});
+  pixels_.values = {};
+}
 
 FlowMaps::FlowMaps(const Terrain& ground, PlanRaster pixels, double interval, double least_thickness,
                    std::span<const double> state)
-    : interval_(interval), least_thickness_(least_thickness) {
+    : interval_(interval), columns_(pixels, cosines_of(ground, pixels), least_thickness) {
   assert(interval > 0);
   const std::size_t n = std::size_t(pixels.columns) * std::size_t(pixels.rows);
   pixels.values.assign(n, PlanRaster::none);
   peak_speed_ = peak_pressure_ = arrival_ = pixels;
   peak_thickness_ = std::move(pixels);
   peak_thickness_.values.assign(n, 0);
-  columns_.resize(n);
-  touched_.assign(std::size_t(peak_thickness_.rows), {peak_thickness_.columns, 0});
-  cos_slope_.reserve(n);
-  for (int row = 0; row < peak_thickness_.rows; ++row)
-    for (int column = 0; column < peak_thickness_.columns; ++column) {
-      const Vec<2> x = peak_thickness_.middle(column, row);
-      const TerrainPlace place = ground.at(x[0], x[1]);
-      cos_slope_.push_back(1 / std::sqrt(1 + place.dx * place.dx + place.dy * place.dy));
-    }
 
   if (state.empty()) return;
   const PlanRaster& p = peak_thickness_;
@@ -99,8 +104,8 @@ std::vector<double> FlowMaps::state() const {
   return all;
 }
 
-void FlowMaps::gather(const FlowPoints& points) {
-  const PlanRaster& p = peak_thickness_;
+void FlowColumns::gather(const FlowPoints& points) {
+  const PlanRaster& p = pixels_;
   for (int row = 0; row < p.rows; ++row) {
     Stretch& touched = touched_[std::size_t(row)];
     if (touched.begin < touched.end)
@@ -115,7 +120,7 @@ void FlowMaps::gather(const FlowPoints& points) {
   for (std::size_t i = 0; i < points.places.size(); ++i) {
     const double volume = points.volumes[i], mass = points.masses[i];
     // A thousandth of a pixel is as good as a point, and its ends differ in their bits.
-    const double half = 0.5 * std::max(cube_root(volume) * per_pixel, 1e-3);
+    const double half = 0.5 * std::max(width_in_plan(volume) * per_pixel, 1e-3);
     const int most = int(std::min(2 * half, 1e6)) + 2;  // pixels
     const double x = (points.places[i][0] - p.corner[0]) * per_pixel,
                  y = (points.places[i][1] - p.corner[1]) * per_pixel;
@@ -149,29 +154,31 @@ void FlowMaps::gather(const FlowPoints& points) {
   }
 }
 
-FlowMaps::Flow FlowMaps::flow_of(std::size_t pixel) const {
+ColumnFlow FlowColumns::flow_of(std::size_t pixel) const {
   const Column& c = columns_[pixel];
-  Flow flow{};
-  flow.vertical_thickness = c.volume / (peak_thickness_.pixel * peak_thickness_.pixel);
-  flow.thickness = flow.vertical_thickness * cos_slope_[pixel];
+  ColumnFlow flow{};
+  flow.vertical_thickness = c.volume / (pixels_.pixel * pixels_.pixel);
+  flow.thickness = flow.vertical_thickness * cosines_[pixel];
   flow.is_thick = flow.vertical_thickness > least_thickness_;
-  flow.speed = flow.is_thick ? length(Vec<3>{c.momentum_x, c.momentum_y, c.momentum_z}) / c.mass : PlanRaster::none;
+  const Vec<3> momentum{c.momentum_x, c.momentum_y, c.momentum_z};
+  if (c.mass > 0) flow.velocity = (1 / c.mass) * momentum;
+  flow.speed = flow.is_thick ? length(momentum) / c.mass : PlanRaster::none;
   flow.pressure = flow.is_thick ? c.mass / c.volume * flow.speed * flow.speed : PlanRaster::none;
   return flow;
 }
 
 void FlowMaps::add(double time, const FlowPoints& points) {
   next_ = std::floor(time / interval_ * (1 + 1e-12)) + 1;
-  gather(points);
-  peak_volume_outside_ = std::max(peak_volume_outside_, volume_outside_);
+  columns_.gather(points);
+  peak_volume_outside_ = std::max(peak_volume_outside_, columns_.volume_outside());
   const auto keep_larger = [](double& peak, double value) {
     if (!(peak >= value)) peak = value;
   };
   for (int row = 0; row < peak_thickness_.rows; ++row)
-    for (int column = touched_[std::size_t(row)].begin; column < touched_[std::size_t(row)].end; ++column) {
+    for (int column = columns_.touched(row).begin; column < columns_.touched(row).end; ++column) {
       const std::size_t i = peak_thickness_.index(column, row);
-      if (!(columns_[i].volume > 0)) continue;
-      const Flow flow = flow_of(i);
+      if (!columns_.has_material(i)) continue;
+      const ColumnFlow flow = columns_.flow_of(i);
       keep_larger(peak_thickness_.values[i], flow.thickness);
       if (!flow.is_thick) continue;
       keep_larger(peak_speed_.values[i], flow.speed);
@@ -181,16 +188,16 @@ void FlowMaps::add(double time, const FlowPoints& points) {
 }
 
 FlowMap FlowMaps::now(const FlowPoints& points) {
-  gather(points);
+  columns_.gather(points);
   const PlanRaster& p = peak_thickness_;
   FlowMap map;
   map.vertical_thickness = map.thickness = PlanRaster::of(p.corner, p.pixel, p.columns, p.rows, 0);
   map.speed = map.pressure = PlanRaster::of(p.corner, p.pixel, p.columns, p.rows);
-  map.volume_outside = volume_outside_;
+  map.volume_outside = columns_.volume_outside();
   for (int row = 0; row < p.rows; ++row)
-    for (int column = touched_[std::size_t(row)].begin; column < touched_[std::size_t(row)].end; ++column) {
+    for (int column = columns_.touched(row).begin; column < columns_.touched(row).end; ++column) {
       const std::size_t i = p.index(column, row);
-      const Flow flow = flow_of(i);
+      const ColumnFlow flow = columns_.flow_of(i);
       map.vertical_thickness.values[i] = flow.vertical_thickness;
       map.thickness.values[i] = flow.thickness;
       map.speed.values[i] = flow.speed;

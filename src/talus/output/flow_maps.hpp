@@ -30,6 +30,51 @@
 
 namespace talus {
 
+/// What a column of material is on a map.
+struct ColumnFlow {
+  double vertical_thickness, thickness;  ///< [m]; the second normal to the ground
+  bool is_thick;                         ///< whether the vertical thickness exceeds the limit
+  double speed, pressure;                ///< [m/s], [Pa], dynamic; no number unless thick
+  Vec<3> velocity;                       ///< mean [m/s], however thin; zero where nothing is
+};
+
+/// The columns of material above the pixels of a raster at an instant: the rule by which all maps, gauges and profiles
+/// are made of points.
+class FlowColumns {
+ public:
+  struct Stretch {
+    int begin, end;  ///< columns of a row that material touched; none unless begin < end
+  };
+
+  /// On the pixels of a raster, whose values are ignored; with the cosine of the ground's slope in the middle of each,
+  /// and the vertical thickness above which speed is known [m].
+  FlowColumns(PlanRaster pixels, std::vector<double> cosines, double least_thickness);
+
+  /// Forgets the last instant.
+  void gather(const FlowPoints& points);
+  const Stretch& touched(int row) const { return touched_[std::size_t(row)]; }
+  bool has_material(std::size_t pixel) const { return columns_[pixel].volume > 0; }
+  ColumnFlow flow_of(std::size_t pixel) const;
+  /// Of material outside the raster [m3].
+  double volume_outside() const { return volume_outside_; }
+
+ private:
+  /// Sums over the material above a pixel.
+  struct Column {
+    double volume = 0, mass = 0, momentum_x = 0, momentum_y = 0, momentum_z = 0;
+  };
+
+  PlanRaster pixels_;  ///< without values
+  std::vector<double> cosines_;
+  double least_thickness_;
+  std::vector<Column> columns_;   ///< 0 outside `touched_`
+  std::vector<Stretch> touched_;  ///< of each row
+  double volume_outside_ = 0;
+};
+
+/// Edge of the square that a point of a volume [m3] covers in plan [m]: its cube root, to 14 digits.
+double width_in_plan(double volume);
+
 /// Maps of an instant.
 struct FlowMap {
   PlanRaster vertical_thickness;  ///< [m]; 0 where nothing is
@@ -68,26 +113,11 @@ class FlowMaps {
   double peak_volume_outside() const { return peak_volume_outside_; }
 
  private:
-  /// Sums over the material above a pixel.
-  struct Column {
-    double volume = 0, mass = 0, momentum_x = 0, momentum_y = 0, momentum_z = 0;
-  };
-  struct Flow;
-  struct Stretch {
-    int begin, end;  ///< columns of a row that material touched
-  };
-  void gather(const FlowPoints& points);
-  Flow flow_of(std::size_t pixel) const;
-
   PlanRaster peak_thickness_, peak_speed_, peak_pressure_, arrival_;
-  double interval_, least_thickness_;
+  double interval_;
   double next_ = 0;  ///< number of the instant to come
   double peak_volume_outside_ = 0;
-  std::vector<double> cos_slope_;  ///< of the ground, of each pixel
-
-  std::vector<Column> columns_;   ///< of the last instant, 0 outside `touched_`
-  std::vector<Stretch> touched_;  ///< of each row
-  double volume_outside_ = 0;     ///< at the last instant
+  FlowColumns columns_;  ///< of the last instant
 };
 
 }  // namespace talus

@@ -143,6 +143,13 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
                                    100.0 * double(l.n_separated) / n_particles));
   if (energy > 0 && l.plastic > 0 && moves)
     warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
+  if (run.thalweg && run.thalweg->passes_end)
+    warnings.push_back(
+        "The flow has gone past the end of the thalweg: runout and length along it are lower bounds. Draw it longer.");
+  if (run.thalweg && run.thalweg->starts_above)
+    warnings.push_back(
+        "The release begins above the thalweg: drop and length along it are lower bounds. Begin it at the top of the "
+        "release.");
   return warnings;
 }
 

@@ -30,6 +30,7 @@ struct Chart {
   double x_scale = 1, y_scale = 1;
   int x_column = 1;
   std::vector<Curve> curves;
+  std::string csv = "history.csv";  ///< where the columns are, in the folder of results
 };
 
 /// Draws columns of a CSV file as NAME.svg in `folder`. False if there is no gnuplot.

@@ -120,6 +120,38 @@ Json outline_in_json(const Outline& o) {
           {"height_at_axis", o.height_at_axis}};
 }
 
+Json thalweg_in_json(const ThalwegRunout& r) {
+  return {{"length_of_thalweg_metre", r.thalweg},
+          {"release_metre", r.release},
+          {"runout_metre", r.runout},
+          {"drop_metre", r.drop()},
+          {"length_metre", r.length},
+          {"drop_over_length", r.ratio()},
+          {"angle_degree", r.angle()},
+          {"share_of_area_beside", r.share_beside},
+          {"starts_above", r.starts_above},
+          {"passes_end", r.passes_end}};
+}
+
+Json gauges_in_json(const std::vector<GaugeSummary>& gauges) {
+  Json all = Json::object();
+  for (const GaugeSummary& s : gauges) {
+    Json points = Json::array();
+    for (const Vec<2>& x : s.gauge.points) points.push_back({x[0], x[1]});
+    Json one = {{"east_north_metre", points},
+                {"arrival_second", s.arrival ? Json(*s.arrival) : Json()},
+                {"peak_thickness_metre", s.thickness},
+                {"peak_speed_metre_per_second", s.speed},
+                {"peak_pressure_pascal", s.pressure}};
+    if (s.gauge.is_line()) {
+      one["peak_flux_cubic_metre_per_second"] = s.flux;
+      one["volume_cubic_metre"] = s.volume;
+    }
+    all[s.gauge.name] = std::move(one);
+  }
+  return all;
+}
+
 }  // namespace
 
 void write_record(const std::filesystem::path& file, const RunSummary& run) {
@@ -144,6 +176,8 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
                       {"farthest_east_north_metre", {run.runout->farthest[0], run.runout->farthest[1]}},
                       {"peak_thickness_metre", run.runout->thickness},
                       {"peak_speed_metre_per_second", run.runout->speed}};
+  if (run.thalweg) record["thalweg"] = thalweg_in_json(*run.thalweg);
+  if (!run.gauges.empty()) record["gauges"] = gauges_in_json(run.gauges);
   record["time_step"] = time_step_in_json(run.tally);
   record["outline_metre"] = {{"start", outline_in_json(run.start)}, {"end", outline_in_json(run.end)}};
   write_whole(file, record.dump(2) + "\n");

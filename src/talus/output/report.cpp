@@ -14,6 +14,7 @@
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/output/case_in_words.hpp"
+#include "talus/output/flow_sections.hpp"
 #include "talus/output/map_picture.hpp"
 #include "talus/output/map_view.hpp"
 #include "talus/output/notices.hpp"
@@ -86,6 +87,7 @@ std::string charts_section(const std::filesystem::path& folder, const std::vecto
                       {"x_scale", chart.x_scale},
                       {"y_scale", chart.y_scale},
                       {"x_column", chart.x_column},
+                      {"rows", chart.csv.substr(0, chart.csv.find('.'))},
                       {"curves", curves}});
     section += fmt::format(
         "<figure><div class=\"chart\" id=\"chart-{0}\"></div><div class=\"chart-legend\" id=\"legend-{0}\"></div>"
@@ -95,12 +97,16 @@ std::string charts_section(const std::filesystem::path& folder, const std::vecto
     if (std::filesystem::exists(drawn))
       section += "<noscript>" + embedded_figure(drawn, chart.caption) + "</noscript>\n";
   }
-  const Rows rows = rows_of(folder / "history.csv");
   section += "</div>\n";
-  if (rows.every > 1)
-    section += fmt::format("<p class=\"note\">The curves go through every {}th row of history.csv.</p>\n", rows.every);
-  return section + "<script type=\"text/csv\" id=\"history\">" + rows.text + "</script>\n" +
-         embedded_json("charts", listed.dump()) + embedded_script(page_parts::dygraph_js()) +
+  for (const std::string& id : {std::string("history"), std::string("gauges")}) {
+    const std::string csv = id + ".csv";
+    if (id != "history" && std::ranges::count(charts, csv, &Chart::csv) == 0) continue;
+    const Rows rows = rows_of(folder / csv);
+    if (rows.every > 1)
+      section += fmt::format("<p class=\"note\">The curves go through every {}th row of {}.</p>\n", rows.every, csv);
+    section += "<script type=\"text/csv\" id=\"" + id + "\">" + rows.text + "</script>\n";
+  }
+  return section + embedded_json("charts", listed.dump()) + embedded_script(page_parts::dygraph_js()) +
          embedded_script(page_parts::curves_js());
 }
 
@@ -296,6 +302,7 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
   page << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
        << page_parts::licences_html() << title_section(case_, run);
   if (run.runout) page << maps_section(folder, case_, run, pictures);
+  page << thalweg_section(run.thalweg) << gauges_section(run.gauges);
   page << "<h2>Particles</h2>\n" << particles_section(folder, case_, run);
   page << "<h2>In time</h2>\n<p>Point at a curve to read it off; drag over it to enlarge a part, double-click to see "
           "all "

@@ -7,6 +7,7 @@
 
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/output/gauges.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/pressure_noise.hpp"
 #include "talus/output/surface_forces.hpp"
@@ -28,9 +29,11 @@ struct RunSummary {
   std::size_t bytes = 0;
   int n_threads = 1;
   int n_snapshots = 0;
-  std::string failure;             ///< reason the run failed; empty if it did not
-  bool stopped = false;            ///< by the user, before its end
-  std::optional<Runout> runout;    ///< of a run on terrain
+  std::string failure;                   ///< reason the run failed; empty if it did not
+  bool stopped = false;                  ///< by the user, before its end
+  std::optional<Runout> runout;          ///< of a run on terrain
+  std::optional<ThalwegRunout> thalweg;  ///< of one with a thalweg, if there was flow
+  std::vector<GaugeSummary> gauges;
   bool came_to_rest = false;       ///< ended before its end, because its kinetic energy had fallen so far
   std::vector<double> resumed_at;  ///< times from which it was resumed [s]
   std::vector<std::string> warnings;

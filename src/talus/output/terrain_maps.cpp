@@ -84,6 +84,12 @@ double checksum_of_maps(const Case& case_) {
       add(layer->thickness);
       if (layer->base != case_.map->ground) add(layer->base->heights());
     }
+  const auto add_line = [&](const std::vector<Vec<2>>& points) {
+    const auto* bytes = reinterpret_cast<const unsigned char*>(points.data());  // NOLINT: zlib's type
+    if (!points.empty()) sum = ::crc32_z(sum, bytes, points.size() * sizeof(points[0]));
+  };
+  for (const Gauge& gauge : case_.gauges) add_line(gauge.points);
+  if (case_.thalweg) add_line(case_.thalweg->points);
   return double(sum);
 }
 
@@ -126,7 +132,7 @@ std::vector<MapFiles> map_frames(const fs::path& folder) {
 }
 
 TerrainMaps::TerrainMaps(fs::path folder, const Case& case_, const std::string& case_text,
-                         std::span<const double> so_far)
+                         std::span<const double> so_far, std::span<const double> profile_so_far)
     : folder_(std::move(folder)), case_(case_) {
   if (!case_.map) return;
   name_ = name_of_maps(case_, case_text);
@@ -142,6 +148,7 @@ TerrainMaps::TerrainMaps(fs::path folder, const Case& case_, const std::string& 
   std::ranges::replace(state, no_number, PlanRaster::none);
   maps_.emplace(*case_.map->ground, pixels_of_maps(case_), *case_.output.maps.interval,
                 *case_.output.maps.least_thickness, state);
+  if (case_.thalweg) profile_.emplace(case_, pixels_of_maps(case_), profile_so_far);
   fs::create_directories(frames_of(folder_));
   // Frames of another run, or of one that has gone further, are removed.
   std::vector<fs::path> later;
@@ -199,6 +206,7 @@ void TerrainMaps::write_instant(double time, const FlowPoints& points) {
   const std::string at = fmt::format("t{:07.1f}", time);
   write_raster_of("thickness_" + at, map.thickness, "m", "Thickness normal to the ground");
   write_raster_of("speed_" + at, map.speed, "m/s", "Speed");
+  if (profile_) profile_->add(time, map);
 }
 
 Runout TerrainMaps::runout(const FlowMap& end) const {
@@ -278,6 +286,13 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
   }
   write_raster_of("depositvertical", end.vertical_thickness, "m", "Vertical thickness at the end");
   result.runout = runout(end);
+  if (!profile_) return result;
+  const PlanRaster release = release_of(case_);
+  const fs::path csv = folder_.parent_path() / "profile.csv";
+  result.thalweg = profile_->runout(*maps_);
+  profile_->write(csv, *maps_, end, release);
+  if (const auto drawn = profile_->draw(folder_ / "profile.png", csv, *maps_, release))
+    result.pictures.push_back(*drawn);
   return result;
 }
 

@@ -11,6 +11,7 @@
 #include "talus/output/checkpoint.hpp"
 #include "talus/output/flow_maps.hpp"
 #include "talus/output/picture.hpp"
+#include "talus/output/thalweg_profile.hpp"
 
 namespace talus {
 
@@ -37,6 +38,7 @@ struct Runout {
 struct MapsAtEnd {
   std::vector<Picture> pictures;  ///< none without gnuplot
   Runout runout;
+  std::optional<ThalwegRunout> thalweg;  ///< none without a thalweg, or if no flow has been there
 };
 
 /// Thickness and speed at an instant of a run: GeoTIFF files on the pixels of its maps.
@@ -63,10 +65,10 @@ std::vector<MapFiles> map_frames(const std::filesystem::path& folder);
 /// start, negative where material has gone. Where bodies are the ground itself, that is deposit and erosion.
 class TerrainMaps {
  public:
-  /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` what `state` gave before
-  /// the run was stopped.
+  /// Does nothing in a case without terrain. `case_text` is what the number is made of, `so_far` and
+  /// `profile_so_far` what `state` and `profile_state` gave before the run was stopped.
   TerrainMaps(std::filesystem::path folder, const Case& case_, const std::string& case_text,
-              std::span<const double> so_far = {});
+              std::span<const double> so_far = {}, std::span<const double> profile_so_far = {});
 
   /// Whether an instant counts for peaks, or is the first after one.
   bool due(double time) const { return maps_ && maps_->due(time); }
@@ -76,10 +78,12 @@ class TerrainMaps {
   void add_frame(double time, const FlowPoints& points) { write_frame(time, maps_->now(points)); }
   /// Everything that decides what is to come; finite numbers.
   std::vector<double> state() const;
+  std::vector<double> profile_state() const { return profile_ ? profile_->state() : std::vector<double>{}; }
 
   /// Thickness and speed at an instant as rasters, in a case with terrain.
   void write_instant(double time, const FlowPoints& points);
-  /// Peaks, arrival and deposit as rasters and pictures, and the last frame, at the end of a run.
+  /// Peaks, arrival and deposit as rasters and pictures, the last frame, and the profile along the thalweg, at the end of a
+  /// run.
   MapsAtEnd write(double time, const FlowPoints& points);
 
   bool any() const { return maps_.has_value(); }
@@ -98,6 +102,7 @@ class TerrainMaps {
   std::optional<FlowMaps> maps_;
   Schedule next_frame_;
   std::vector<double> frame_times_;  ///< [s]
+  std::optional<ThalwegProfile> profile_;
 };
 
 /// Draws the terrain of a case with what is released, and the domain. Returns whether there is gnuplot to do it.

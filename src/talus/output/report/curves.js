@@ -1,9 +1,10 @@
-// Curves of history.csv (#history) as #charts describes them, to be read off. A click shows the particles at that instant.
+// Curves of history.csv (#history) and gauges.csv (#gauges) as #charts describes them, to be read off. A click shows the particles at that instant.
 "use strict";
 
 (() => {
-  const rows = document.getElementById("history").textContent.trim().split("\n").slice(1).map((r) => r.split(",").map(Number));
   const charts = JSON.parse(document.getElementById("charts").textContent);
+  const tables = {};
+  const rows_of = (id) => tables[id] ??= document.getElementById(id).textContent.trim().split("\n").slice(1).map((r) => r.split(",").map(Number));
   let instant = NaN;
 
   const plain = (v) => String(Number(v.toPrecision(6)));
@@ -16,7 +17,7 @@
 
   window.talus_curves = charts.map((chart) => {
     const place = document.getElementById("chart-" + chart.name);
-    const drawn = new Dygraph(place, rows.map((r) => [r[chart.x_column - 1] * chart.x_scale, ...chart.curves.map((c) => r[c.column - 1] * chart.y_scale)]), {
+    const drawn = new Dygraph(place, rows_of(chart.rows).map((r) => [r[chart.x_column - 1] * chart.x_scale, ...chart.curves.map((c) => r[c.column - 1] * chart.y_scale)]), {
       labels: [chart.x_label, ...chart.curves.map((c) => c.label)],
       xlabel: chart.x_label,
       ylabel: chart.y_label,

@@ -66,18 +66,30 @@ bool holds_polygons(const OGRGeometry& geometry) {
   return kind == wkbPolygon || kind == wkbMultiPolygon;
 }
 
-bool has_polygons_only(OGRLayer& layer) {
+bool holds_lines(const OGRGeometry& geometry) {
+  const OGRwkbGeometryType kind = wkbFlatten(geometry.getGeometryType());
+  return kind == wkbLineString || kind == wkbMultiLineString;
+}
+
+/// What a layer is asked for.
+struct Shapes {
+  bool (*are_held_by)(const OGRGeometry&);
+  const char* words;
+};
+constexpr Shapes polygons_of_layer{holds_polygons, "polygons"}, lines_of_layer{holds_lines, "lines"};
+
+bool has_only(const Shapes& shapes, OGRLayer& layer) {
   bool any = false;
   for (const auto& feature : layer) {
     const OGRGeometry* geometry = feature->GetGeometryRef();
-    if (!geometry || !holds_polygons(*geometry)) return false;
+    if (!geometry || !shapes.are_held_by(*geometry)) return false;
     any = true;
   }
   layer.ResetReading();
   return any;
 }
 
-OGRLayer& layer_of(GDALDataset& data, const std::string& path) {
+OGRLayer& layer_of(GDALDataset& data, const std::string& path, const Shapes& shapes) {
   if (data.GetLayerCount() == 0) throw std::runtime_error(fmt::format("{} holds no layer of features", path));
   if (data.GetLayerCount() == 1) return *data.GetLayer(0);
   std::vector<std::string> names;
@@ -85,15 +97,16 @@ OGRLayer& layer_of(GDALDataset& data, const std::string& path) {
   int n_suitable = 0;
   for (OGRLayer* layer : data.GetLayers()) {
     names.push_back(fmt::format("`{}`", printable(layer->GetName())));
-    if (!has_polygons_only(*layer)) continue;
+    if (!has_only(shapes, *layer)) continue;
     suitable = layer;
     ++n_suitable;
   }
   if (n_suitable != 1)
-    throw std::runtime_error(fmt::format(
-        "{} holds {} layers, {} of them with nothing but polygons ({}); write the one that is meant to a file "
-        "of its own: ogr2ogr OUT IN LAYER",
-        path, names.size(), n_suitable == 0 ? "none" : std::to_string(n_suitable), fmt::join(names, ", ")));
+    throw std::runtime_error(
+        fmt::format("{} holds {} layers, {} of them with nothing but {} ({}); write the one that is meant to a file "
+                    "of its own: ogr2ogr OUT IN LAYER",
+                    path, names.size(), n_suitable == 0 ? "none" : std::to_string(n_suitable), shapes.words,
+                    fmt::join(names, ", ")));
   return *suitable;
 }
 
@@ -161,6 +174,46 @@ GeoPolygon polygon_of(OGRGeometry* geometry, const std::string& feature, const s
   return polygon;
 }
 
+/// The points of a feature that is one line. `feature`: how messages call it.
+std::vector<Vec<2>> points_of(const OGRGeometry* geometry, const std::string& feature, const std::string& path,
+                              const GeoLibrary& library) {
+  if (!geometry || geometry->IsEmpty()) {
+    expect_no_failure(library, path);
+    throw std::runtime_error(fmt::format("{} has no geometry; draw or delete it", feature));
+  }
+  if (!holds_lines(*geometry))
+    throw std::runtime_error(fmt::format(
+        "{} is a {}, and a line is expected{}", feature, geometry->getGeometryName(),
+        OGR_GT_IsNonLinear(geometry->getGeometryType()) ? "; convert it: ogr2ogr -nlt CONVERT_TO_LINEAR OUT IN" : ""));
+  const OGRLineString* line = nullptr;
+  if (wkbFlatten(geometry->getGeometryType()) == wkbMultiLineString) {
+    const OGRMultiLineString& parts = *geometry->toMultiLineString();
+    if (parts.getNumGeometries() != 1)
+      throw std::runtime_error(
+          fmt::format("{} has {} parts; join them to one line", feature, parts.getNumGeometries()));
+    line = parts.getGeometryRef(0);
+  } else {
+    line = geometry->toLineString();
+  }
+  std::vector<Vec<2>> points;
+  for (const OGRPoint& p : *line) points.push_back({p.getX(), p.getY()});
+  for (const Vec<2>& p : points)
+    if (!std::isfinite(p[0]) || !std::isfinite(p[1]))
+      throw std::runtime_error(fmt::format("{} has a coordinate that is not finite", feature));
+  if (points.size() < 2) throw std::runtime_error(fmt::format("{} has fewer than two points", feature));
+  return points;
+}
+
+/// The projection of a layer as WKT; empty if the file states none. `place`: some place in it.
+std::string projection_in(GDALDataset& data, OGRLayer& layer, const std::string& path, const Vec<2>& place) {
+  OGRSpatialReference projection;
+  if (const OGRSpatialReference* stated = layer.GetSpatialRef()) projection = *stated;
+  // GDAL goes on without a .prj that it does not understand.
+  if (projection.IsEmpty() && EQUAL(data.GetDriverName(), "ESRI Shapefile")) projection = projection_beside(path);
+  expect_metres(projection, path, "ogr2ogr", place);
+  return wkt_of(projection);
+}
+
 double number_in(OGRFeature& feature, int field, const std::string& name) {
   const auto fail = [&](const std::string& text) { throw std::runtime_error(fmt::format("{} {}", name, text)); };
   const std::string attribute = printable(feature.GetFieldDefnRef(field)->GetNameRef());
@@ -207,7 +260,7 @@ GeoPolygons read_polygons(const std::string& path, const std::string& attribute)
   expect_geodata(path, fmt::format("cut out the part that the run needs: {}", cut));
   GeoLibrary library;
   const std::unique_ptr<GDALDataset> data = open(path, library);
-  OGRLayer& layer = layer_of(*data, path);
+  OGRLayer& layer = layer_of(*data, path, polygons_of_layer);
   GeoPolygons read;
   const OGRFeatureDefn& definition = *layer.GetLayerDefn();
   for (int f = 0; f < definition.GetFieldCount(); ++f)
@@ -222,12 +275,29 @@ GeoPolygons read_polygons(const std::string& path, const std::string& attribute)
   }
   expect_no_failure(library, path);
   if (read.polygons.empty()) throw std::runtime_error(fmt::format("{} holds no polygon: its layer is empty", path));
-  OGRSpatialReference projection;
-  if (const OGRSpatialReference* stated = layer.GetSpatialRef()) projection = *stated;
-  // GDAL goes on without a .prj that it does not understand.
-  if (projection.IsEmpty() && EQUAL(data->GetDriverName(), "ESRI Shapefile")) projection = projection_beside(path);
-  expect_metres(projection, path, "ogr2ogr", read.polygons[0].rings[0][0]);
-  read.projection = wkt_of(projection);
+  read.projection = projection_in(*data, layer, path, read.polygons[0].rings[0][0]);
+  return read;
+}
+
+GeoLine read_line(const std::string& path) {
+  expect_geodata(path, cut);
+  GeoLibrary library;
+  const std::unique_ptr<GDALDataset> data = open(path, library);
+  OGRLayer& layer = layer_of(*data, path, lines_of_layer);
+  GeoLine read;
+  int n = 0;
+  library.forget();
+  for (const auto& feature : layer) {
+    if (++n > 1)
+      throw std::runtime_error(
+          fmt::format("{} holds {} lines, and one is expected; write the one that is meant to a file of its own: "
+                      "ogr2ogr -fid {} OUT IN",
+                      path, layer.GetFeatureCount(), feature->GetFID()));
+    read.points = points_of(feature->GetGeometryRef(), fmt::format("{}: feature {}", path, n), path, library);
+  }
+  expect_no_failure(library, path);
+  if (n == 0) throw std::runtime_error(fmt::format("{} holds no line: its layer is empty", path));
+  read.projection = projection_in(*data, layer, path, read.points[0]);
   return read;
 }
 
