@@ -94,7 +94,8 @@ std::vector<MapOverlay> overlays_of(const Case& case_) {
     for (std::size_t i = 0; i < solid.zones.surfaces.size(); ++i) {
       PlanRaster mask = solid.zones.number;
       for (double& number : mask.values) number = number == double(i) ? 1 : 0;
-      overlays.push_back({"Zone " + solid.zones.names[i], "zone", outlines_of(mask)});
+      overlays.push_back({"Zone " + (i < solid.zones.names.size() ? solid.zones.names[i] : std::to_string(i + 1)),
+                          "zone", outlines_of(mask)});
     }
   overlays.push_back({"Release", "release", outlines_of(release_of(case_))});
   if (case_.thalweg) overlays.push_back({"Thalweg", "line", {case_.thalweg->points}});
