@@ -52,6 +52,36 @@ TEST_F(ALandslide, StoppedAndResumedHasTheSameMaps) {
       ++n;
     }
   EXPECT_EQ(n, 9);
+  for (const char* file : {"gauges.csv", "profile.csv"})
+    EXPECT_EQ(contents(folder_ / "whole" / file), contents(folder_ / "parts" / file)) << file;
+}
+
+TEST_F(ALandslide, CrossesAGaugeWithAllOfItsVolume) {
+  const std::string source = TALUS_SOURCE_DIR "/cases/landslide";
+  fs::copy(source, folder_ / "landslide", fs::copy_options::recursive);
+  // Below the release and above where anything stays, straight and oblique.
+  std::ofstream(folder_ / "own.toml") << contents(source + ".toml") << R"(
+[gauge.straight]
+from = ["640200 m", "5190300 m"]
+to = ["640200 m", "5190100 m"]
+[gauge.oblique]
+from = ["640160 m", "5190290 m"]
+to = ["640253 m", "5190110 m"]
+)";
+  const Finished done = talus("run " + (folder_ / "own.toml").string() + " --out " + (folder_ / "out").string());
+  ASSERT_EQ(done.code, 0) << done.output;
+  const nlohmann::json record = this->record("out");
+  const double released = record.at("maps").at("released_cubic_metre");
+  for (const char* gauge : {"straight", "oblique"})
+    EXPECT_NEAR(record.at("gauges").at(gauge).at("volume_cubic_metre").get<double>() / released, 1, 0.01) << gauge;
+  // What has crossed the mouth of the gully lies beyond it, but for what stops under the line and what has loosened.
+  EXPECT_NEAR(record.at("gauges").at("mouth").at("volume_cubic_metre").get<double>() / released, 0.97, 0.02);
+  const auto thalweg = record.at("thalweg");
+  EXPECT_NEAR(thalweg.at("drop_over_length").get<double>(), 0.36, 0.02);
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "maps" / "profile.png"));
+  const std::string report = contents(folder_ / "out" / "report.html");
+  for (const char* words : {"Runout along the thalweg", "Gauge mouth: flux through the line", "id=\"gauges\""})
+    EXPECT_TRUE(has(report, words)) << words;
 }
 
 TEST_F(ALandslide, IsNotResumedOnOtherGround) {

@@ -794,4 +794,68 @@ TEST_F(Strata, AreRefusedWhereTheyAreWrong) {
   expect_refused(alone(R"(top = "top.asc", bottom = "middle.asc")"), "[body.slide.release] `unit` is missing", "");
 }
 
+// ---- gauges and thalweg ------------------------------------------------------------------------------------------
+
+TEST_F(TerrainCase, GaugesAreReadInTheCoordinatesOfTheMapAndKeptInThoseOfTheRun) {
+  write("line.geojson", R"({"type": "FeatureCollection", "crs": {"type": "name", "properties": )"
+                        R"({"name": "urn:ogc:def:crs:EPSG::25832"}}, "features": [{"type": "Feature", )"
+                        R"("properties": {}, "geometry": {"type": "MultiLineString", "coordinates": )"
+                        R"([[[600010, 5200020, 7], [600050, 5200030, 8], [600080, 5200040, 9]]]}}]})");
+  const CaseFile file = read(text_of() + R"(
+[gauge.house]
+at = ["600050 m", "5.20004e6 m"]
+[gauge.mouth]
+from = ["600060 m", "5200060 m"]
+to = ["600060 m", "5200020 m"]
+[gauge.drawn]
+line = "line.geojson"
+[thalweg]
+points = [["600090 m", "5200040 m"], ["600010 m", "5200040 m"]]
+width = "40 m"
+)");
+  const Case& c = file.case_;
+  ASSERT_EQ(c.gauges.size(), 3u);
+  EXPECT_EQ(c.gauges[0], (Gauge{"drawn", {{10, 20}, {50, 30}, {80, 40}}}));
+  EXPECT_EQ(c.gauges[1], (Gauge{"house", {{50, 40}}}));
+  EXPECT_EQ(c.gauges[2], (Gauge{"mouth", {{60, 60}, {60, 20}}}));
+  EXPECT_EQ(shown(file, "gauge.mouth.length"), "40 m");
+  // Drawn uphill, it begins at its higher end all the same.
+  ASSERT_TRUE(c.thalweg);
+  EXPECT_EQ(*c.thalweg, (Thalweg{{{10, 40}, {90, 40}}, 40}));
+}
+
+TEST_F(TerrainCase, GaugesThatCannotBeAreRefused) {
+  const auto refuse = [&](const std::string& more, const std::string& about, const std::string& words) {
+    expect_refused(text_of() + more, about, words);
+  };
+  refuse(
+      "[gauge.far]\nat = [\"600150 m\", \"5200040 m\"]\n", "[gauge.far]",
+      "lies outside the terrain at (600150, 5200040); the terrain reaches from (600000, 5200000) to (600100, 5200080)");
+  refuse("[gauge.far]\nfrom = [\"600050 m\", \"5200040 m\"]\nto = [\"600050 m\", \"5200140 m\"]\n", "[gauge.far]",
+         "lies outside the terrain");
+  refuse("[gauge.half]\nfrom = [\"600050 m\", \"5200040 m\"]\n", "[gauge.half]", "`to` is missing");
+  refuse("[gauge.half]\nat = [\"600050 m\", \"5200040 m\"]\nto = [\"600050 m\", \"5200040 m\"]\n", "gauge.half.to",
+         "goes with `from` only");
+  refuse("[gauge.none]\n", "[gauge.none]", "needs one of `at`, `from` and `line`");
+  refuse("[gauge.no]\nfrom = [\"600050 m\", \"5200040 m\"]\nto = [\"600050 m\", \"5200040 m\"]\n", "[gauge.no]",
+         "has no length");
+  refuse("[gauge.\"a b\"]\nat = [\"600050 m\", \"5200040 m\"]\n", "[gauge.", "letters, digits");
+  refuse("[gauge.a]\nline = \"release.geojson\"\n", "gauge.a.line", "is a POLYGON, and a line is expected");
+  refuse("[gauge.a]\nline = \"nope.shp\"\n", "gauge.a.line", "nope.shp");
+  refuse("[thalweg]\npoints = [[\"600010 m\", \"5200075 m\"], [\"600090 m\", \"5200075 m\"]]\nwidth = \"10 m\"\n",
+         "[thalweg]", "beside the release; half of its `width` is 5 m");
+  refuse("[thalweg]\npoints = [[\"600010 m\", \"5200075 m\"]]\nwidth = \"10 m\"\n", "[thalweg]",
+         "needs two points or more");
+  refuse("[thalweg]\npoints = [[\"600010 m\", \"5200040 m\"], [\"600090 m\", \"5200040 m\"]]\n", "[thalweg]",
+         "`width` is missing");
+}
+
+TEST_F(TerrainCase, AGaugeWhereTheTerrainHasNoDataIsRefused) {
+  write_raster("dem.asc", [](double x, double y) { return x > 70 && y > 60 ? -9999 : ground(x, y); });
+  expect_refused(text_of() + "[gauge.a]\nat = [\"600090 m\", \"5200070 m\"]\n", "[gauge.a]",
+                 "lies where the terrain has no data, at (600090, 5200070)");
+  expect_refused(text_of() + "[gauge.a]\nfrom = [\"600065 m\", \"5200070 m\"]\nto = [\"600090 m\", \"5200050 m\"]\n",
+                 "[gauge.a]", "lies where the terrain has no data");
+}
+
 }  // namespace talus::read_terrain_test

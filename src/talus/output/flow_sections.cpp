@@ -2,10 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "talus/output/map_picture.hpp"
 #include "talus/output/page.hpp"
 
 namespace talus {
+
+namespace {
+
+/// With three digits, or all those before the point.
+std::string digits_of(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
+
+}  // namespace
 
 std::string thalweg_section(const std::optional<ThalwegRunout>& runout) {
   if (!runout) return "";
@@ -44,8 +53,8 @@ std::string gauges_section(const std::vector<GaugeSummary>& gauges) {
     cell(s.arrival ? fmt::format("{:.4g}", *s.arrival) : "no flow");
     cell(fmt::format("{:.3g}", s.thickness));
     cell(s.arrival ? fmt::format("{:.3g}", s.speed) : "&ndash;");
-    cell(s.arrival ? fmt::format("{:.3g}", 1e-3 * s.pressure) : "&ndash;");
-    cell(is_line ? fmt::format("{:.3g}", s.flux) : "");
+    cell(s.arrival ? digits_of(1e-3 * s.pressure) : "&ndash;");
+    cell(is_line ? digits_of(s.flux) : "");
     cell(is_line ? grouped(s.volume) : "");
     section += "</tr>\n";
   }

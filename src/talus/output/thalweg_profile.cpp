@@ -181,7 +181,7 @@ namespace {
 
 /// The part of a profile that is drawn, and its scales.
 struct ProfileView {
-  static constexpr int left = 90, right = 30, top = 80, bottom = 120, plot_width = 1080;
+  static constexpr int left = 90, right = 30, top = 80, bottom = 140, plot_width = 1080;
   double s_min, s_max, z_min, z_max;
   int plot_height;
   double exaggeration;  ///< of heights against lengths
