@@ -20,7 +20,7 @@ Case slope(std::vector<Gauge> gauges) {
   for (int row = 0; row < 24; ++row)
     for (int column = 0; column < 40; ++column) heights.at(column, row) = -0.75 * heights.middle(column, row)[0];
   what.map = MapOfCase{std::make_shared<const Terrain>(heights), {{500000, 5000000}, ""}, false};
-  what.output.maps = {0.1, 0.5, 5};
+  what.output.maps = {0.1, 0.5, 5, {}};
   what.gauges = std::move(gauges);
   return what;
 }
