@@ -84,7 +84,7 @@ class AsciiRaster : public Geodata {
     EXPECT_NE(text.find(what), std::string::npos);
     return text.replace(text.find(what), what.size(), by);
   }
-  static std::string plain() { return std::string(header) + values; }
+  static std::string plain() { return fmt::format("{}{}", header, values); }
 
   void expect_plain(const PlanRaster& r) const {
     EXPECT_EQ(r.columns, 3);
