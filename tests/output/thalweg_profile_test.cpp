@@ -104,7 +104,7 @@ TEST_F(AThalweg, FlowBesideTheStripDoesNotCount) {
 }
 
 TEST_F(AThalweg, FlowPastAnEndIsTold) {
-  const auto r = runout(slope({{40, 60}, {110, 60}}, 60), {80, 0});
+  const auto r = runout(slope({{40, 60}, {110, 60}}, 60), {70, 0});
   ASSERT_TRUE(r);
   EXPECT_TRUE(r->starts_above);
   EXPECT_TRUE(r->passes_end);
