@@ -815,9 +815,9 @@ width = "40 m"
 )");
   const Case& c = file.case_;
   ASSERT_EQ(c.gauges.size(), 3u);
-  EXPECT_EQ(c.gauges[0], (Gauge{"drawn", {{10, 20}, {50, 30}, {80, 40}}}));
-  EXPECT_EQ(c.gauges[1], (Gauge{"house", {{50, 40}}}));
-  EXPECT_EQ(c.gauges[2], (Gauge{"mouth", {{60, 60}, {60, 20}}}));
+  EXPECT_EQ(c.gauges[2], (Gauge{"drawn", {{10, 20}, {50, 30}, {80, 40}}}));
+  EXPECT_EQ(c.gauges[0], (Gauge{"house", {{50, 40}}}));
+  EXPECT_EQ(c.gauges[1], (Gauge{"mouth", {{60, 60}, {60, 20}}}));
   EXPECT_EQ(shown(file, "gauge.mouth.length"), "40 m");
   // Drawn uphill, it begins at its higher end all the same.
   ASSERT_TRUE(c.thalweg);
@@ -836,7 +836,7 @@ TEST_F(TerrainCase, GaugesThatCannotBeAreRefused) {
   refuse("[gauge.half]\nfrom = [\"600050 m\", \"5200040 m\"]\n", "[gauge.half]", "`to` is missing");
   refuse("[gauge.half]\nat = [\"600050 m\", \"5200040 m\"]\nto = [\"600050 m\", \"5200040 m\"]\n", "gauge.half.to",
          "goes with `from` only");
-  refuse("[gauge.none]\n", "[gauge.none]", "needs one of `at`, `from` and `line`");
+  refuse("[gauge.none]\n", "[gauge.none]", "must have exactly one of `at`, `from` and `line`");
   refuse("[gauge.no]\nfrom = [\"600050 m\", \"5200040 m\"]\nto = [\"600050 m\", \"5200040 m\"]\n", "[gauge.no]",
          "has no length");
   refuse("[gauge.\"a b\"]\nat = [\"600050 m\", \"5200040 m\"]\n", "[gauge.", "letters, digits");
