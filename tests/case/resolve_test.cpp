@@ -270,6 +270,8 @@ Case landslide() {
   law.phi = rad("33 deg");
   c.materials = {{"debris", law, 1900}};
   c.bodies = {body("slide", read.bodies.at(0).region, "2.5 m")};
+  c.gauges = {{"mouth", {{320, 260}, {320, 140}}}, {"house", {{400, 195}}}};
+  c.thalweg = Thalweg{{{0, 200}, {595, 200}}, 160};
   c.end = 60;
   c.stop_below = 0.01;
   c.output.snapshots = 1;
@@ -303,6 +305,7 @@ void expect_same(const Case& a, const Case& b) {
   EXPECT_TRUE(a.bodies == b.bodies);
   EXPECT_TRUE(a.loads == b.loads);
   EXPECT_TRUE(a.numerics == b.numerics);
+  EXPECT_TRUE(a.gauges == b.gauges && a.thalweg == b.thalweg);
   EXPECT_TRUE(a.output == b.output);
   EXPECT_TRUE(a == b);
 }
