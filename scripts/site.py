@@ -173,6 +173,17 @@ def tables():
     return "\n".join(text)
 
 
+def write_search_from_disk():
+    """Writes the search index and the search worker as one script: a browser lets pages on the disk load scripts, but neither
+    data nor workers."""
+    (worker,) = (site / "assets/javascripts/workers").glob("search.*.min.js")
+    code = re.sub(r"^//# sourceMappingURL.*$", "", worker.read_text(), flags=re.M)
+    index = (site / "search/search_index.json").read_text()
+    (site / "search/from_disk.js").write_text(
+        f"var __search = {{index: Promise.resolve({index}),\n"
+        f"  worker: URL.createObjectURL(new Blob([{json.dumps(code)}], {{type: 'text/javascript'}}))}};\n")
+
+
 def main():
     shutil.rmtree(source, ignore_errors=True)
     for page in pages():
@@ -190,7 +201,10 @@ def main():
     reference = source / "reference.md"
     reference.write_text(reference.read_text() + tables())
     (source / "validation/figures.md").write_text(figures())
+    shutil.rmtree(folder / "overrides", ignore_errors=True)
+    shutil.copytree(root / "docs/site/overrides", folder / "overrides")
     subprocess.run(["/usr/bin/mkdocs", "build", "--quiet", "--strict", "--clean"], cwd=folder, check=True)
+    write_search_from_disk()
     (site / "404.html").unlink()  # for servers only; its links begin with /
     print(site / "index.html")
 
