@@ -3,9 +3,9 @@
 
     scripts/site.py TALUS FOLDER
 
-FOLDER/site is the site. Pages are docs/**.md, and the README.md of validation/, its folders and benchmarks/. Other
-files that they link to are put into the site as text. TALUS tells the tables of docs/reference.md; figures come from
-out/reproduce, as `talus reproduce all` leaves it.
+FOLDER/site is the site. Pages are docs/**.md, the README.md of validation/, its folders and benchmarks/, CONTRIBUTING.md
+and CHANGELOG.md. Other files that they link to become text files of the site. The program TALUS prints the tables of
+docs/reference.md; figures come from out/reproduce, where `talus reproduce all` writes them.
 """
 
 import json
@@ -26,7 +26,8 @@ link = re.compile(r"(!?\[[^\]]*\]\()([^)\s]+)(\))")
 
 def pages():
     """The pages, as paths from the root."""
-    found = [*(root / "docs").rglob("*.md"), *(root / "validation").rglob("README.md"), root / "benchmarks/README.md"]
+    found = [*(root / "docs").rglob("*.md"), *(root / "validation").rglob("README.md"), root / "benchmarks/README.md",
+             root / "CONTRIBUTING.md", root / "CHANGELOG.md"]
     return sorted(p.relative_to(root) for p in found)
 
 
@@ -169,7 +170,7 @@ def tables():
     for kind in schema["anyOf"]:
         text += ["", f"## {kind['title'].capitalize()}", "", *section("", kind, 3)]
     listed = subprocess.run([talus, "list"], check=True, capture_output=True, text=True).stdout
-    text += ["", "## Quantities, choices and what laws tell", "", "What `talus list` prints.", "", "```text", listed.rstrip(), "```", ""]
+    text += ["", "## Quantities, choices and outputs of laws", "", "Output of `talus list`.", "", "```text", listed.rstrip(), "```", ""]
     return "\n".join(text)
 
 

@@ -31,7 +31,7 @@ fence = re.compile(r"((?:^<!--.*?-->\n)*)^```(\w*)\n(.*?)^```$", re.M | re.S)
 
 def pages():
     return sorted([root / "README.md", *(root / "docs").rglob("*.md"), *(root / "validation").rglob("README.md"),
-                   root / "benchmarks/README.md"])
+                   root / "benchmarks/README.md", root / "CONTRIBUTING.md", root / "CHANGELOG.md"])
 
 
 def directives(comments):
