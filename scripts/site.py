@@ -190,7 +190,8 @@ def main():
     for page in pages():
         place = source / place_of(page)
         place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(rewritten((root / page).read_text(), page))
+        wide = "---\nhide: [toc]\n---\n\n" if page.stem in ("index", "gallery") else ""  # no table of contents beside them
+        place.write_text(wide + rewritten((root / page).read_text(), page))
     shutil.copytree(root / "docs/images", source / "images")
     for part in ("site.js", "site.css"):
         shutil.copyfile(root / "docs/site" / part, source / part)

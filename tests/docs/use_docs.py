@@ -4,7 +4,7 @@
     use_docs.py commands TALUS   runs every block of commands, each page in a fresh folder
     use_docs.py links            every relative link leads to something that is there
     use_docs.py symptoms         what docs/troubleshooting.md says that talus prints stands in the sources
-    use_docs.py site TALUS       the site that is made of them asks for nothing from elsewhere, and its links hold
+    use_docs.py site TALUS       the site that is made of them asks for nothing from elsewhere, its links hold, and its search works
 
 Blocks marked sh, console and python are run, page by page, in the order of the page, in a folder that has cases/, validation/ and build/
 as the repository has, and `talus` on the path. In console blocks lines that begin with `$ ` are commands and the others what they print,
@@ -168,7 +168,40 @@ def symptoms():
 def site(talus):
     with tempfile.TemporaryDirectory(prefix="talus_site_") as folder:
         subprocess.run([root / "scripts/site.py", talus, folder], check=True, stdout=subprocess.DEVNULL)
-        return faults_of_site(pathlib.Path(folder) / "site")
+        return faults_of_site(pathlib.Path(folder) / "site") + faults_of_search(pathlib.Path(folder) / "site")
+
+
+def faults_of_search(folder):
+    """Searches a page read from the disk, as a reader does."""
+    from selenium import webdriver
+    from selenium.webdriver.chrome.options import Options
+    from selenium.webdriver.chrome.service import Service
+    from selenium.webdriver.common.by import By
+    from selenium.webdriver.support.ui import WebDriverWait
+    from selenium.common.exceptions import TimeoutException
+
+    options = Options()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1400,1000"):
+        options.add_argument(argument)
+    driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+    try:
+        driver.get((folder / "howto/own_column.html").as_uri())
+        query = driver.find_element(By.CSS_SELECTOR, "[data-md-component=search-query]")
+        query.click()
+        query.send_keys("no_slip")
+
+        def found(_):
+            links = driver.find_elements(By.CSS_SELECTOR, ".md-search-result__link")
+            return [link.get_attribute("href") for link in links]
+
+        try:
+            links = WebDriverWait(driver, 20).until(found)
+        except TimeoutException:
+            return ["a search on a page from the disk finds nothing"]
+        return [] if any("walls.html" in link for link in links) else [f"a search for no_slip does not find walls.html, but {links}"]
+    finally:
+        driver.quit()
 
 
 def faults_of_site(folder):
