@@ -32,14 +32,14 @@ def pages():
 
 
 def place_of(path):
-    """Where a file of the repository stands in the site; none if it is not a page or a picture of docs/."""
+    """Path in the site of a file of the repository; none if it is neither a page nor a picture of docs/."""
     if path.parts[0] == "docs":
         return pathlib.Path(*path.parts[1:])
     return path if path in pages() else None
 
 
 def rewritten(text, page):
-    """A page's text with links that hold in the site. Files that are no pages are copied there as text."""
+    """Text of a page with the links of the site. Linked files that are not pages are copied into the site as text."""
     here = place_of(page).parent
 
     def mend(found):
@@ -50,7 +50,7 @@ def rewritten(text, page):
         path = pathlib.Path(os.path.normpath(page.parent / target))
         place = place_of(path)
         if place is None and (root / path).is_dir():
-            return before + "#" + after  # a folder: its name says enough
+            return before + "#" + after  # a folder has no page
         if place is None:
             place = pathlib.Path("files") / (str(path) + ".txt")
             (source / place).parent.mkdir(parents=True, exist_ok=True)
@@ -62,15 +62,15 @@ def rewritten(text, page):
 
 
 def figures():
-    """A page of the remade figures, or how to make them."""
+    """A page of the recomputed figures, or how to compute them."""
     made = root / "out/reproduce"
     text = ["# Figures", ""]
     if not (made / "index.html").exists():
         return "\n".join(text + [
-            "They were not made when this site was built. `talus reproduce all` makes them, then `./dev docs` shows them here."])
+            "This site was built without figures. Run `talus reproduce all`, then `./dev docs`, to see them here."])
     shutil.copytree(made, source / "validation/reproduced",
                     ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".talus", ".series"))])
-    text += ["Remade by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
+    text += ["Recomputed by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
     for folder in sorted((root / "validation").iterdir()):
         page = made / folder.name / "index.html"
         if not (folder / "figure.toml").exists() or not page.exists():
@@ -83,7 +83,7 @@ def figures():
 
 
 def takes(value):
-    """What a key takes, in a few words."""
+    """Type of the value of a key, in a few words."""
     if "anyOf" in value:
         return " or ".join(dict.fromkeys(takes(v) for v in value["anyOf"]))
     if "oneOf" in value:
@@ -113,17 +113,17 @@ def cell(text):
 
 
 def table_of(values, required):
-    alike = {}  # keys of which the same is to be said share a row
+    alike = {}  # keys with the same description share a row
     for key, value in values.items():
         if takes(value) or meaning(value):
             alike.setdefault((takes(value), cell(meaning(value)), key in required), []).append(f"`{key}`")
-    rows = [f"| {', '.join(keys)}{'' if needed else ' (may be left out)'} | {what} | {means} |"
+    rows = [f"| {', '.join(keys)}{'' if needed else ' (optional)'} | {what} | {means} |"
             for (what, means, needed), keys in alike.items()]
-    return ["| key | takes | meaning |", "|---|---|---|", *rows, ""] if rows else []
+    return ["| key | value | meaning |", "|---|---|---|", *rows, ""] if rows else []
 
 
 def inner_of(value):
-    """The section that a key holds, and how its name goes on; none if it holds none."""
+    """The section under a key and the rest of its name; none if the key has no section."""
     for way in [value, *value.get("anyOf", [])]:
         more = way.get("additionalProperties")
         if "properties" in way:
@@ -146,13 +146,13 @@ def section(name, schema, depth):
     text = [f"{'#' * depth} `{shown}`" if name else "", ""]
     text += table_of({k: v for k, v in own.items() if k not in of_some}, required)
     for ways in one_of:
-        text += [f"Exactly one of {', '.join(f'`{k}`' for k in ways)} must be there.", ""]
-    for key, value, then in branches:  # what only some of the choices take
+        text += [f"Exactly one of {', '.join(f'`{k}`' for k in ways)} is required.", ""]
+    for key, value, then in branches:  # keys of single choices
         here = {k: then.get("properties", {}).get(k, own[k]) for k in of_some}
         table = table_of({k: v for k, v in here.items() if v is not False}, required + then.get("required", []))
         if table:
             text += [f"With `{key} = \"{value['const']}\"`:", "", *table]
-    parts = {}  # sections that say the same are told once
+    parts = {}  # equal sections appear once
     for key, value in keys.items():
         if inner := inner_of(value):
             path = (f"{name}." if name else "") + key + inner[0]
@@ -164,7 +164,7 @@ def section(name, schema, depth):
 
 
 def tables():
-    """The tables of docs/reference.md, from what the readers of talus say they take."""
+    """The tables of docs/reference.md, from `talus schema`, which prints the declarations of the readers."""
     schema = json.loads(subprocess.run([talus, "schema"], check=True, capture_output=True, text=True).stdout)
     text = []
     for kind in schema["anyOf"]:
