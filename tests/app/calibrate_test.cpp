@@ -87,7 +87,7 @@ TEST_F(Calibrate, SaysEveryMistakeAndComputesNothing) {
   EXPECT_EQ(run.code, 2);
   EXPECT_TRUE(has(run.output, "data.toml:18:1: test[0].columns.Q is no key")) << run.output;
   EXPECT_TRUE(has(run.output, "did you mean `starts`")) << run.output;
-  EXPECT_TRUE(has(run.output, "2 mistakes in the input; nothing was run")) << run.output;
+  EXPECT_TRUE(has(run.output, "2 errors in the input; nothing was run")) << run.output;
   EXPECT_FALSE(fs::exists(folder_ / "out"));
 }
 

@@ -155,7 +155,7 @@ TEST_F(Resume, ARunKilledAtRandomMomentsEndsByTheBitsOfAnUnbrokenOne) {
     ASSERT_EQ(end.code, -1) << end.output;
     ++kills;
     while_writing += is_writing();
-    with_progress += has(end.output, "goes on from") && end.output != before;
+    with_progress += has(end.output, "resumes from") && end.output != before;
     before = end.output;
   }
   const Finished last = run_slump("killed", "--resume --threads 2");
@@ -180,7 +180,7 @@ TEST_F(Resume, CheckpointsByTheClockComeWhileARunIsAtWorkAndChangeNothing) {
   }
   const Finished on = talus("run " + in("clock") + " --resume");
   EXPECT_EQ(on.code, 0) << on.output;
-  EXPECT_TRUE(has(on.output, "goes on from")) << on.output;
+  EXPECT_TRUE(has(on.output, "resumes from")) << on.output;
   EXPECT_FALSE(has(on.output, "t = 0 s")) << on.output;
   EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "clock"), "");
 }
@@ -256,10 +256,10 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
     EXPECT_EQ(on.code, 0) << on.output;
     EXPECT_TRUE(has(on.output, newer.string() + " cannot be used: ")) << on.output;
     EXPECT_TRUE(has(on.output, damage.sentence)) << on.output;
-    EXPECT_TRUE(has(on.output, "goes on from " + older.string())) << on.output;
+    EXPECT_TRUE(has(on.output, "resumes from " + older.string())) << on.output;
     EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "stopped"), "");
     // and of the two it was the refused one that made place
-    EXPECT_TRUE(has(talus("run " + in("stopped") + " --resume").output, "goes on from ")) << damage.sentence;
+    EXPECT_TRUE(has(talus("run " + in("stopped") + " --resume").output, "resumes from ")) << damage.sentence;
   }
 
   // With none left nothing is touched.
@@ -343,7 +343,7 @@ TEST_F(Resume, AFullDiskStopsARunThatLosesNothingAndGoesOnWhenThereIsRoom) {
     const Finished full = run("full", "", limit);
     EXPECT_EQ(full.code, 3) << full.output;
     EXPECT_TRUE(has(full.output, std::string(file) + " cannot be written: File too large")) << full.output;
-    EXPECT_EQ(has(full.output, "go on with\n  "), has_begun) << full.output;
+    EXPECT_EQ(has(full.output, "esume with\n  "), has_begun) << full.output;
     const auto data = data_in(folder_ / "full");
     EXPECT_TRUE(std::none_of(data.begin(), data.end(), [](const auto& name) { return has(name, "unfinished"); }));
     EXPECT_EQ(run("full", "--resume", limit).code, 3);  // as long as it is full
@@ -386,7 +386,7 @@ TEST_F(Resume, ARunThatBreaksKeepsItsLastCheckpointAndSaysSo) {
   EXPECT_TRUE(has(broken.output, "The last checkpoint is " + in("out/checkpoint_"))) << broken.output;
   const Finished again = talus("run " + file + " --out " + in("out") + " --resume");
   EXPECT_EQ(again.code, 3);
-  EXPECT_TRUE(has(again.output, "goes on from")) << again.output;
+  EXPECT_TRUE(has(again.output, "resumes from")) << again.output;
   EXPECT_TRUE(has(again.output, "left the domain")) << again.output;
 }
 

@@ -280,7 +280,51 @@ Case landslide() {
   return c;
 }
 
+MohrCoulomb drained(const std::string& E, const std::string& phi, const std::string& cohesion) {
+  MohrCoulomb law{};
+  law.E = pa(E);
+  law.nu = 0.3;
+  law.c = pa(cohesion);
+  law.phi = rad(phi);
+  return law;
+}
+
+Case slope() {
+  Case c = in_domain("A steep cut slope fails and runs out onto the road below", 2,
+                     {place("0 m", "0 m"), place("50 m", "12 m")}, "0.5 m");
+  c.walls[0] = wall_of_domain(WallKind::slip);
+  c.walls[2] = wall_of_domain(WallKind::friction, 0.47);
+  c.materials = {{"soil", drained("20 MPa", "25 deg", "5 kPa"), 1900}};
+  c.bodies = {body("slope", Polygon{{{0, 0}, {22, 0}, {12, 10}, {0, 10}}, 0, 0}, "0.25 m")};
+  c.bodies[0].initial_stress = InitialStress::k0;
+  c.end = 20;
+  c.stop_below = 0.002;
+  set_output(c, "0.1 s", "50 ms", {"0 s", "1 s", "2 s", "3 s", "4 s", "6 s"});
+  c.output.front_thickness = 0.5;
+  return c;
+}
+
+Case obstacle() {
+  Case c = in_domain("A debris flow runs down a slope against a barrier", 2,
+                     {place("0 m", "0 m"), place("60 m", "8 m")}, "0.25 m");
+  c.gravity = {4.905, -8.496, 0};
+  c.walls[0] = wall_of_domain(WallKind::slip);
+  c.walls[1] = wall_of_domain(WallKind::outflow);
+  c.walls[2] = wall_of_domain(WallKind::friction, 0.36);
+  c.materials = {{"debris", drained("5 MPa", "35 deg", "0 Pa"), 1700}};
+  c.bodies = {body("release", Box{place("0 m", "0 m"), place("15 m", "2 m")}, "0.125 m")};
+  c.solids = {{"barrier", Box{place("50 m", "-1 m"), place("51 m", "3 m")}, Wall(WallKind::friction, 0.36, true)}};
+  c.end = 20;
+  c.stop_below = 0.002;
+  set_output(c, "0.1 s", "20 ms", {"0 s", "2 s", "4 s", "5 s", "6 s", "8 s"});
+  c.output.front_thickness = 0.25;
+  c.output.peak_force_time = s("50 ms");
+  return c;
+}
+
 const std::map<std::string, std::function<Case()>> cases_in_cpp = {
+    {"slope", slope},
+    {"obstacle", obstacle},
     {"landslide", landslide},
     {"slump_2d", slump_2d},
     {"slump_2d_as_printed", slump_2d_as_printed},
@@ -512,7 +556,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
       [](Case& c) {
         c.materials.push_back({"water", NewtonianFluid{1e6, 0}, 1000});
       },
-      "domain.walls.y_min.kind cannot be rough: the law of `water` has no critical friction");
+      "domain.walls.y_min.kind `rough` needs a law with a critical friction angle; material `water` has none");
   expect_mistake(
       [](Case& c) {
         c.materials.push_back(c.materials[0]);

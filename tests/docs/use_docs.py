@@ -173,18 +173,14 @@ def site(talus):
 
 def faults_of_search(folder):
     """Searches a page read from the disk, as a reader does."""
-    from selenium import webdriver
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import WebDriverWait
     from selenium.common.exceptions import TimeoutException
 
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1400,1000"):
-        options.add_argument(argument)
-    driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+    sys.path.insert(0, str(root / "tests"))
+    from browser import chromium
+
+    driver = chromium("--window-size=1400,1000")
     try:
         driver.get((folder / "howto/own_column.html").as_uri())
         query = driver.find_element(By.CSS_SELECTOR, "[data-md-component=search-query]")

@@ -346,7 +346,7 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect(
       "\"rough\"\n[material.water]\nlaw = \"newtonian_fluid\"\nK = \"1 MPa\"\neta = \"0 Pa s\"\ndensity = \"1000 "
       "kg/m3\"",
-      "cannot be rough: the law of `water` has no critical friction");
+      "`rough` needs a law with a critical friction angle; material `water` has none");
   expect("\"periodic\"", "must have its like on the other side: `y_max` is not periodic");
   expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
          "must have its like on the other side: `x_max` is not periodic");

@@ -24,7 +24,7 @@ TEST(Warnings, NothingIsSaidOfARunThatLosesALittle) { EXPECT_TRUE(warnings(0.1, 
 
 TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
   EXPECT_TRUE(one_begins(warnings(0.2, 0.1), "Numerical dissipation took 30 %"));
-  EXPECT_TRUE(one_begins(warnings(-0.05, 0.02), "The method won 3.0 %"));
+  EXPECT_TRUE(one_begins(warnings(-0.05, 0.02), "The method created 3.0 %"));
   EXPECT_TRUE(warnings(-0.009, 0).empty());
 }
 

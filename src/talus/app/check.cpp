@@ -9,10 +9,12 @@
 #include "talus/app/progress.hpp"
 #include "talus/app/rehearsal.hpp"
 #include "talus/app/task.hpp"
+#include "talus/app/threads.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/mpm/start/plausibility.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/outline.hpp"
@@ -101,6 +103,7 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
 void print_notices(const Case& case_) {
   for (const std::string& notice : {notice_of_stiffness(case_.numerics), notice_of_preset(case_)})
     if (!notice.empty()) fmt::print("\nwarning: {}\n", notice);
+  for (const std::string& doubt : doubts_about(case_)) fmt::print("\nwarning: {}\n", doubt);
   if (const std::string notice = notice_of_symmetry(case_); !notice.empty()) fmt::print("\n  {}\n", notice);
 }
 
@@ -128,12 +131,12 @@ struct ExpectedSteps {
 ExpectedSteps expect_steps(const Case& case_, Backend& loop, double first_dt, double per_step) {
   if (case_.numerics.dt) {
     const double n = case_.end / *case_.numerics.dt;
-    return {n, fmt::format("{:.0f}, as the case fixes their length", n)};
+    return {n, fmt::format("{:.0f}, of fixed length", n)};
   }
   const Rehearsal rehearsal = rehearse(case_, loop, case_.end / first_dt * per_step, 1);
   return {rehearsal.steps,
-          fmt::format("about {:.3g}, by a run on cells {} until {:.3g} s", rehearsal.steps,
-                      rehearsal.coarser == 1 ? "of this size" : fmt::format("{} times coarser", rehearsal.coarser),
+          fmt::format("about {:.3g} (extrapolated from a trial run{} to t = {:.3g} s)", rehearsal.steps,
+                      rehearsal.coarser == 1 ? "" : fmt::format(" on cells {} times coarser", rehearsal.coarser),
                       rehearsal.until)};
 }
 
@@ -150,15 +153,16 @@ void print_map(const Case& case_, const std::string& case_file) {
 
 }  // namespace
 
-int check_case(const std::string& case_file, int threads) {
-  const CaseFile input = read_case(case_file);
+int check_case(const CheckOptions& options) {
+  const std::string& case_file = options.case_file;
+  const CaseFile input = read_case(case_file, read_overrides(options.set));
   const Case& case_ = input.case_;
-  fmt::print("{} is understood as\n", case_file);
+  fmt::print("{}: settings\n", case_file);
   print_understood(input.understood);
   print_notices(case_);
 
   expect_memory_for(case_);
-  const auto loop = make_openmp(threads);
+  const auto loop = make_openmp(usable_threads(options.threads, options.force_threads));
   auto simulation = make_simulation(case_, *loop);
   const double first_dt = simulation->next_dt(), n_particles = double(simulation->n_particles());
   print_sizes(case_, *simulation);
@@ -166,7 +170,7 @@ int check_case(const std::string& case_file, int threads) {
   const std::size_t bytes = simulation->bytes();
   const OutputTimes output = measure_output(case_, *simulation);
   const long tried = simulation->ledger().step;
-  ExpectedSteps steps{double(tried), fmt::format("{}, found by running it to its end", tried)};
+  ExpectedSteps steps{double(tried), fmt::format("{}, counted in a run to the end", tried)};
   if (simulation->ledger().time < case_.end) {
     simulation.reset();  // makes room for another one
     steps = expect_steps(case_, *loop, first_dt, per_step);

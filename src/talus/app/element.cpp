@@ -10,7 +10,7 @@
 namespace talus {
 
 int run_element(const ElementOptions& options) {
-  const ElementTestFile input = read_element_test(options.test_file);
+  const ElementTestFile input = read_element_test(options.test_file, read_overrides(options.set));
   const ElementResult result = run_element_test(input.test);
   const std::string csv = as_csv(result);
   if (options.out.empty()) {

@@ -36,7 +36,7 @@ constexpr Parameter isotropic_pressure{"pressure", "Pa", Range::not_negative(), 
     kappa{"kappa", "1", Range::not_negative(),
           "accumulated plastic deviatoric strain; without it, the least that carries the stress"};
 constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio"}; }
-constexpr Table stress_at_start{"stress", "stress of lasting contacts, compression-positive",
+constexpr Table stress_at_start{"stress", "stress of enduring contacts, compression-positive",
                                 present_stress_declaration},
     collisional_stress{"collisional_stress", "stress of collisions at the start, compression-positive",
                        collisional_stress_declaration};
@@ -66,7 +66,7 @@ const Declaration& law_declaration() {
   return d;
 }
 
-constexpr Text title_of_test{"title", "what the test is, in one line"};
+constexpr Text title_of_test{"title", "what the test is, in one line", 200};
 constexpr Table material_table{"material", "the law and its parameters", law_declaration},
     initial{"initial", "the state before the test", initial_declaration},
     driver{"driver", "how the test is integrated", driver_declaration};
@@ -154,8 +154,9 @@ ElementTestFile read_element_test_text(const std::string& name, std::string_view
   return {std::move(what), std::move(document.understood())};
 }
 
-ElementTestFile read_element_test(const std::string& path) {
+ElementTestFile read_element_test(const std::string& path, const std::vector<Override>& overrides) {
   Document document(path);
+  document.replace(overrides);
   ElementTest what = understand_element_test(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(what), std::move(document.understood())};

@@ -50,11 +50,11 @@ constexpr Choice axes[] = {{"x", ""}, {"y", ""}, {"z", ""}};
 constexpr Choice axes_of_oedometer[] = {{"y", ""}, {"x", ""}, {"z", ""}};
 constexpr Option axis{"axis", "axis of the loading", axes}, axis_of_oedometer{"axis", axis.meaning, axes_of_oedometer};
 constexpr Choice drainages_of_triaxial[] = {
-    {"undrained", "constant volume"}, {"drained", "lateral stress held"}, {"constant_p", "mean stress held"}};
-constexpr Option drainage_of_triaxial{"drainage", "what is held besides the axial strain", drainages_of_triaxial};
+    {"undrained", "constant volume"}, {"drained", "constant lateral stress"}, {"constant_p", "constant mean stress"}};
+constexpr Option drainage_of_triaxial{"drainage", "condition besides the axial strain", drainages_of_triaxial};
 constexpr Choice drainages_of_shear[] = {{"undrained", "constant volume"},
-                                         {"constant_normal_stress", "normal stress on the shear plane held"}};
-constexpr Option drainage_of_shear{"drainage", "what is held besides the shear strain", drainages_of_shear};
+                                         {"constant_normal_stress", "constant normal stress on the shear plane"}};
+constexpr Option drainage_of_shear{"drainage", "condition besides the shear strain", drainages_of_shear};
 constexpr Choice planes[] = {{"xy", ""}, {"yz", ""}, {"zx", ""}};
 constexpr Option plane_of_shear{"plane", "component of the shear strain", planes};
 
@@ -104,7 +104,7 @@ NamedTest read_test(Section& s) {
 }
 
 std::vector<Segment> read_turning_points(Section& s, const Segment& segment, const NamedTest& test) {
-  if (segment.first_row > 0) s.complain("first_row", "and `reversals` exclude each other: every way would start anew");
+  if (segment.first_row > 0) s.complain("first_row", "and `reversals` exclude each other");
   const std::vector<double> turns = s.numbers(turning_points);
   std::vector<Segment> segments = between_turning_points(segment, turns, test.controls);
   if (segments.empty()) s.complain("reversals", "goes nowhere");

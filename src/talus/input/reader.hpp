@@ -16,6 +16,7 @@
 #include "talus/case/mistake.hpp"
 #include "talus/input/declaration.hpp"
 #include "talus/input/read.hpp"
+#include "talus/input/tables.hpp"
 #include "talus/math/vec.hpp"
 
 namespace talus {
@@ -28,6 +29,9 @@ class Document {
   explicit Document(const std::string& path);
   /// Parses a text, under a name for messages.
   Document(const std::string& name, std::string_view text);
+
+  /// Replaces values; complaints about them name the override.
+  void replace(const std::vector<Override>& overrides) { apply(root_, overrides); }
 
   void complain(const toml::source_region& where, std::string text);
   /// Takes over the complaints about another file.
@@ -168,7 +172,7 @@ class Section {
     return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
   }
   /// The text at a key that is there.
-  std::string text_at(std::string_view key, const toml::node& node, std::string_view meaning);
+  std::string text_at(const Text& t, const toml::node& node);
   /// The chosen word at a key, or the default.
   int read_choice(const Option& option, int by_default);
   void understand(std::string_view key, std::string value, bool by_default, std::string_view meaning);

@@ -117,12 +117,17 @@ int Section::whole_number(const Parameter& p, int by_default) {
   return value;
 }
 
-std::string Section::text_at(std::string_view key, const toml::node& node, std::string_view meaning) {
+std::string Section::text_at(const Text& t, const toml::node& node) {
+  const auto& [key, meaning, most_bytes] = t;
   if (!node.is_string()) {
     complain(key, fmt::format("is not a text in quotes: {}", meaning));
     return "";
   }
   const std::string& value = node.as_string()->get();
+  if (value.size() > most_bytes) {
+    complain(key, fmt::format("has {} characters; at most {} are read: {}", value.size(), most_bytes, meaning));
+    return "";
+  }
   std::string lines = value;  // may be several, with tabs
   std::erase_if(lines, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
   if (printable(lines) != lines) {
@@ -134,19 +139,19 @@ std::string Section::text_at(std::string_view key, const toml::node& node, std::
 }
 
 std::string Section::text(const Text& t) {
-  const auto& [key, meaning] = t;
+  const auto& [key, meaning, most_bytes] = t;
   expect_declared(key, Holds::text, false);
   const toml::node* node = require(key, meaning);
   if (!node) return "";
   if (node->is_string() && node->as_string()->get().empty())
     complain(key, fmt::format("must not be empty: {}", meaning));
-  return text_at(key, *node, meaning);
+  return text_at(t, *node);
 }
 
 std::string Section::text(const Text& t, std::string_view by_default) {
-  const auto& [key, meaning] = t;
+  const auto& [key, meaning, most_bytes] = t;
   expect_declared(key, Holds::text, true);
-  if (const toml::node* node = find(key, meaning)) return text_at(key, *node, meaning);
+  if (const toml::node* node = find(key, meaning)) return text_at(t, *node);
   understand(key, std::string(by_default), true, meaning);
   return std::string(by_default);
 }

@@ -1,5 +1,6 @@
 #pragma once
-/// The unified law: lasting contacts and collisions in parallel, one law for solid, flow and deposit.
+/// The unified law for solid, flow and deposit: the sum of a critical-state sand model for enduring contacts and a mu(I)
+/// rheology for collisions.
 ///
 ///   sigma = sigma_f + sigma_col                                                                 Eqs. 1, 18
 ///
@@ -127,7 +128,9 @@ struct GranularOf {
   static constexpr bool controls_error = !WithHistory;
   static constexpr std::string_view name = "granular";
   static constexpr std::string_view meaning =
-      "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";
+      "the unified law: sum of a critical-state sand model for enduring contacts and a mu(I) rheology for collisions "
+      "(Eqs. "
+      "1-18)";
   static std::span<const ParameterOf<GranularOf>> parameters();
   static std::span<const OptionOf<GranularOf>> options();
   static std::span<const QuantityOf<GranularOf>> quantities();

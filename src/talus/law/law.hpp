@@ -84,11 +84,11 @@ struct Integration {
 
 /// What a point is like before anything happens to it.
 struct InitialState {
-  SymTensor<double> stress = SymTensor<double>::zero();  ///< of the lasting contacts [Pa], tension-positive
+  SymTensor<double> stress = SymTensor<double>::zero();  ///< of the enduring contacts [Pa], tension-positive
   double void_ratio = 0;
   std::optional<double>
       kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
-  double background_pressure = 0;                                    ///< [Pa], of a law without lasting contacts
+  double background_pressure = 0;                                    ///< [Pa], of a law without enduring contacts
   SymTensor<double> strain_rate = SymTensor<double>::zero();         ///< [1/s], for laws that remember it
   SymTensor<double> collisional_stress = SymTensor<double>::zero();  ///< [Pa], for laws that remember it
 };

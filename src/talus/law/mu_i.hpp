@@ -202,7 +202,7 @@ struct MuI {
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {
     if (von_mises(deviator(initial.stress)) > 0 || pressure(initial.stress) != 0)
-      return "`mu_i` has no lasting contacts that could carry a stress at rest; give a background pressure instead";
+      return "`mu_i` has no enduring contacts that could carry a stress at rest; use a background pressure instead";
     return State<double>{{initial.collisional_stress, deviator(initial.strain_rate),
                           momentum_exchange(volume_fraction(initial.void_ratio)), initial.background_pressure},
                          initial.void_ratio};

@@ -1,5 +1,5 @@
 #pragma once
-/// The frictional stress: a critical-state sand model for lasting contacts.
+/// The frictional stress: a critical-state sand model for enduring contacts.
 ///
 /// SIMSAND (Yin et al. 2013), Eqs. 2-11 of Feng, Yin and Liang. Inside this file the letters are the paper's; pressure
 /// p and volumetric strain are compression-positive, the deviator s is that of the tension-positive stress.
@@ -198,7 +198,7 @@ struct Simsand {
   static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness means something (Eq. 4)
   static constexpr bool controls_error = true;
   static constexpr std::string_view name = "simsand";
-  static constexpr std::string_view meaning = "critical-state sand for lasting contacts (Eqs. 2-11)";
+  static constexpr std::string_view meaning = "critical-state sand model for enduring contacts (Eqs. 2-11)";
   static std::span<const ParameterOf<Simsand>> parameters();
   static std::span<const OptionOf<Simsand>> options();
   static std::span<const QuantityOf<Simsand>> quantities();
@@ -266,7 +266,7 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
   using S = State<double>;
   using D = SymTensor<double>;
   static const QuantityOf<Simsand> table[] = {
-      {{"frictional_stress", "Pa", 6, "stress of lasting contacts"},
+      {{"frictional_stress", "Pa", 6, "stress of enduring contacts"},
        [](const Simsand&, const S& s, const D&, double* v) {
          for (int i = 0; i < 6; ++i) v[i] = s.stress[i];
        }},

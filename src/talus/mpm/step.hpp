@@ -121,12 +121,13 @@ class Stepper final : public Simulation {
     carried_.viscosity = sums[Most::viscosity];
     if (sums[Sum::faulty] > 0) {
       broken_ = true;
-      stop_at_bad_stress(model_, ledger_);
+      stop_at_bad_stress(model_, ledger_, carried_.wave_speed);
     }
   }
   void accelerate(const StepInput& step) {
     const TileSums sums = accelerate_nodes(model_, step);
     ledger_.add_accelerations(sums);
+    finite_wave_speed_ = carried_.wave_speed;
     carried_.wave_speed = std::sqrt(sums[Most::wave_speed2]);
     carried_.drift += std::sqrt(sums[Most::node_speed2]) * step.dt / model_.domain.h;
   }
@@ -165,7 +166,7 @@ class Stepper final : public Simulation {
   void expect_inside(const TileSums& sums) {
     if (sums[Sum::faulty] == 0) return;
     broken_ = true;
-    stop_outside(model_, ledger_);
+    stop_outside(model_, ledger_, finite_wave_speed_);
   }
   /// Whether gravity leans to a periodic axis.
   bool falls_round() const {
@@ -225,6 +226,7 @@ class Stepper final : public Simulation {
   std::vector<SurfaceAccount> surfaces_;  ///< since the start
   StepTally tally_;
   Carried carried_;
+  double finite_wave_speed_ = 0;         ///< of the step before [m/s], for messages
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]
   std::vector<Stiffening> stiffenings_;  ///< of squared wave speed where grains meet without stress, one a body
   bool broken_ = false;                  ///< particles may stand anywhere
