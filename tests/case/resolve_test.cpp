@@ -137,9 +137,9 @@ Case cylinder_3d() {
   c.walls[4] = wall_of_domain(WallKind::rough);
   c.materials = {grains()};
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("35 mm"), m("175 mm")}, "1.33333333333333333 mm")};
-  c.bodies[0].lattice = Lattice::corner;
-  c.end = 0.5;
-  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.5 s"});
+  c.bodies[0].lattice = Lattice::blue_noise;
+  c.end = 0.6;
+  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.6 s"});
   return c;
 }
 
@@ -147,7 +147,6 @@ Case cylinder_3d_coarse() {
   Case c = cylinder_3d();
   c.title = "A cylinder of grains collapses, coarse";
   c.bodies[0].spacing = m("2.6666666666666667 mm");
-  c.bodies[0].lattice = Lattice::cells;
   return c;
 }
 
@@ -155,6 +154,7 @@ Case cylinder_3d_wide() {
   Case c = cylinder_3d();
   c.title = "A cylinder of grains collapses, read as 140 mm in diameter";
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("70 mm"), m("175 mm")}, "2 mm")};
+  c.bodies[0].lattice = Lattice::blue_noise;
   return c;
 }
 

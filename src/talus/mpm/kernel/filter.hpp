@@ -220,7 +220,7 @@ TALUS_HD FilterFit<Dim> fit_velocity(const FilterMoments<Dim>& m, double least_m
 }
 
 /// Lets the fit of a contact's node, at the node, have the velocity of the surface along its normal; all of it, if the
-/// surface lets nothing slip. Returns the impulse on the material that this takes [N s].
+/// surface lets nothing slip or friction holds what presses on it. Returns the impulse on the material that this takes [N s].
 template <int Dim>
 TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, FilterFit<Dim>& fit) {
   const double mass = m.mass();
@@ -229,7 +229,7 @@ TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, Filt
   for (int a = 0; a < Dim; ++a) along[a] = Quad(1 / mass) * (m.first(a) - Quad(m.mass_at(a)) * surface);
   detail::find_slopes(m, Vec<Dim>{}, along, slope);
   const auto held = [&](Quad change) {
-    if (c.surface.kind == WallKind::no_slip) return change;
+    if (c.surface.kind == WallKind::no_slip || c.sticks) return change;
     const double across = change[0] * c.normal[0] + change[1] * c.normal[1] + change[2] * c.normal[2];
     for (int a = 0; a < 3; ++a) change.set(a, across * c.normal[a]);
     return change;

@@ -18,7 +18,12 @@ struct StressUpdate {
   bool average_pressure;  ///< replace elastic compression by its mean over the cell
   bool f_bar;             ///< replace the rate of volume change by its mean over the cell
   double bulk_viscosity;  ///< b, share of critical damping of the grid's shortest waves, see `viscous_pressure`
+  double rest_speed = 0;  ///< what is slower rests, and gaps in it close [m/s], see `gap_of_rest`
+  double closing = 0;     ///< sqrt(g/h): how fast they do [1/s]
 };
+
+/// Material rests below this share of sqrt(g h), the speed in which things fall by half a cell.
+inline constexpr double share_of_rest = 0.1;
 
 /// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
 template <int Dim>
@@ -147,6 +152,41 @@ TALUS_HD R viscous_pressure(R damping, R rate, R bulk_tension) {
   return max(R(0.0) - damping * rate, min(R(0.0), bulk_tension));
 }
 
+/// What is left of a gap, a volumetric strain, in material that rests, after a step. A grain with nothing below it falls.
+/// Where a cell holds few particles the velocities of its nodes are those of its neighbours, which may carry it while its
+/// own grains are apart: nothing would make them fall. So they do here: a gap s of a cell h closes at the rate sqrt(g s/h),
+/// in twice the time sqrt(s h/g). What flows or flies keeps its gaps.
+template <Number R>
+TALUS_HD R gap_of_rest(R gap, double fallen) {
+  const R root = max(sqrt(gap) - R(fallen), R(0.0));
+  return root * root;
+}
+
+/// Lets gaps close where material is slower than `how.rest_speed`; a gap that cohesion spans stays. Returns where none is
+/// left of one.
+template <Number R, class Law, int Dim>
+TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particles, int first, int count,
+                              const StressUpdate& how, typename Law::template State<R>& state) {
+  using State = typename Law::template State<R>;
+  using talus::select;  // laws have others in `detail`
+  const R zero(0.0), x = Law::compression(state);
+  mask_t<R> closes = x < zero;
+  if (!any(closes)) return closes;
+  R speed2(0.0);
+  for (int a = 0; a < Dim; ++a) {
+    const R v = load<R>(particles.velocity(a) + first, count);
+    speed2 += v * v;
+  }
+  closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
+  if (!any(closes)) return closes;
+  const R a(law.growth_in_gap()), left = gap_of_rest(max(zero - x, zero) / a, 0.5 * how.dt * how.closing);
+  State closed = state;
+  law.impose_compression(closed, zero - a * left, zero);
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
+    numbers_of<R>(state)[k] = select(closes, numbers_of<R>(closed)[k], numbers_of<R>(state)[k]);
+  return closes & !(left > zero);
+}
+
 }  // namespace detail
 
 /// Moves the states of a tile's particles through the step. Reads the row `gradient` of the scratch, writes `flux` and
@@ -201,7 +241,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
         total.averaging += own - reference_volume * law.specific_volume(state) * law.elastic_energy(state);
       }
     }
-    const Response<R> response = law.update(state, motion, how.integration);
+    Response<R> response = law.update(state, motion, how.integration);
+    if constexpr (AveragesCompression<Law>)
+      if (averages && how.closing > 0)
+        response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
+                                  R(double(Outcome::zero_pressure)), response.outcome);
     store_states<R>(particles, first, count, state);
 
     const R volume = reference_volume * law.specific_volume(state);

@@ -41,12 +41,24 @@ void add_gain_at_start(Model<Dim, Shape>& m, int t, const StepInput& step, TileS
   if (felt > 0 && m.contact_finder.any()) add_impulses_of_contacts(m, t);
 }
 
+/// Below which material rests [m/s].
+template <int Dim, class Shape>
+double rest_speed_of(const Model<Dim, Shape>& m) {
+  return share_of_rest * std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) * m.domain.h);
+}
+
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
 TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   using Layout = TileLayout<Dim, Shape>;
   const Numerics& n = m.numerics;
-  const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar, bulk_viscosity_of(n)};
+  const StressUpdate how{step.dt,
+                         n.integration,
+                         n.average_pressure,
+                         n.f_bar,
+                         bulk_viscosity_of(n),
+                         rest_speed_of(m),
+                         std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) / m.domain.h)};
   const bool stress_first = n.order == Order::usf;
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
