@@ -18,21 +18,13 @@ namespace detail {
 TALUS_HD inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 TALUS_HD inline double number(std::uint64_t b) { return std::bit_cast<double>(b); }
 
-struct PackBits {
-  FourBits low, high;
-
-  TALUS_HD friend PackBits operator+(PackBits a, PackBits b) { return {a.low + b.low, a.high + b.high}; }
-  TALUS_HD friend PackBits operator-(PackBits a, PackBits b) { return {a.low - b.low, a.high - b.high}; }
-  TALUS_HD friend PackBits operator+(PackBits a, std::uint64_t b) { return {a.low + b, a.high + b}; }
-  TALUS_HD friend PackBits operator-(PackBits a, std::uint64_t b) { return {a.low - b, a.high - b}; }
-  TALUS_HD friend PackBits operator<<(PackBits a, int places) { return {a.low << places, a.high << places}; }
-  TALUS_HD friend PackBits operator>>(PackBits a, int places) { return {a.low >> places, a.high >> places}; }
-};
-TALUS_HD inline PackBits bits(Pack x) {
-  return {std::bit_cast<FourBits>(x.low.lanes), std::bit_cast<FourBits>(x.high.lanes)};
+template <class Lanes>
+TALUS_HD auto bits(Doubles<Lanes> x) {
+  return bits_of(x.lanes);
 }
-TALUS_HD inline Pack number(PackBits b) {
-  return {Quad(std::bit_cast<FourDoubles>(b.low)), Quad(std::bit_cast<FourDoubles>(b.high))};
+template <class Bits>
+TALUS_HD auto number(Bits b) {
+  return Doubles<decltype(doubles_of(b))>(doubles_of(b));
 }
 
 /// 1.5 2^52: adding it rounds to the nearest integer and leaves that integer in the low bits.
