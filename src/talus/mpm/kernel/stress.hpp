@@ -209,7 +209,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     R diffusion = volume * response.viscosity;
     if constexpr (StiffensFromNothing<Law>) {
       if (how.bulk_viscosity > 0) {
-        const R impedance = sqrt(max(zero, response.stiffness * mass * volume));  // rho c V
+        const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
         const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
         const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
         for (int c = 0; c < 3; ++c) flux[c] -= q;
@@ -225,7 +225,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
-    total.viscosity = max(total.viscosity, diffusion / mass);
+    if (any(diffusion > zero)) total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
     };
