@@ -182,11 +182,9 @@ struct Motions {
   M m;
   StepOnDevice step;
   TALUS_HD void operator()(int t) const {
-    MassVelocity new_velocity[M::Layout::n_window];
-    Acceleration acceleration[M::Layout::n_window];
-    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.new_velocity, new_velocity);
-    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.acceleration, acceleration);
-    advance<which>(m.points(t), m.domain, step.dt, step.kept, new_velocity, acceleration);
+    NodeMotion nodes[M::Layout::n_window];
+    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.new_velocity, m.acceleration, nodes);
+    advance<which>(m.points(t), m.domain, step.dt, step.kept, nodes);
   }
 };
 template <class M, bool apic>

@@ -34,9 +34,8 @@ TALUS_HD void find_hoop_rates(const TilePoints<Dim, Shape>& points, const Domain
   for (int i = 0; i < points.size(); i += 4) {
     const int count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
-    Quad at[4], unused;
-    for (int lane = 0; lane < 4; ++lane)
-      interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, velocity, at[lane], unused);
+    Quad at[4];
+    for (int lane = 0; lane < 4; ++lane) at[lane] = interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity);
     transpose(at);
     store(&s.gradient[2][2][i], at[0] / radius_of(points.particles, domain, points.range.begin + i, count));
   }
