@@ -33,6 +33,9 @@ inline bool all_of(EightMasks m) { return m.bits == all_eight; }
 
 inline FourDoubles low_half(EightDoubles x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); }
 inline FourDoubles high_half(EightDoubles x) { return __builtin_shufflevector(x, x, 4, 5, 6, 7); }
+inline void join(FourDoubles low, FourDoubles high, EightDoubles& both) {
+  both = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7);
+}
 inline void set_number(EightDoubles& x, int i, double value) { x[i] = value; }
 inline EightDoubles blend(EightMasks m, EightDoubles a, EightDoubles b) { return _mm512_mask_blend_pd(m.bits, b, a); }
 inline EightDoubles fused_multiply_add(EightDoubles a, EightDoubles b, EightDoubles c) {

@@ -65,6 +65,10 @@ TALUS_HD R high_half(Two<R> x) {
   return x.high;
 }
 template <class R>
+TALUS_HD void join(R low, R high, Two<R>& both) {
+  both = {low, high};
+}
+template <class R>
 TALUS_HD void set_number(Two<R>& x, int i, double value) {
   if (i < Two<R>::half)
     set_number(x.low, i, value);

@@ -81,6 +81,12 @@ using QuadMask = Quad::Mask;
 using Mask = Pack::Mask;
 inline constexpr int pack_width = Pack::width;
 
+TALUS_HD inline Octet octet_of(Quad low, Quad high) {
+  Octet both;
+  join(low.lanes, high.lanes, both.lanes);
+  return both;
+}
+
 /// Rows become columns.
 TALUS_HD inline void transpose(Quad (&m)[4]) {
   const FourDoubles a = m[0].lanes, b = m[1].lanes, c = m[2].lanes, d = m[3].lanes;

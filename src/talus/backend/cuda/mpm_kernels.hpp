@@ -34,7 +34,7 @@ struct TilesOnDevice {
   Acceleration* acceleration;
   FilterMoments<Dim>* moments;
   FilterFit<Dim>* fits;
-  FourMoments* moment_windows;
+  EightMoments* moment_windows;
   double *volume_windows, *filling, *excess;
   const ContactsView* contacts;
   TileSums* sums;
@@ -206,11 +206,11 @@ struct SumsOverParticles {
     total.add_to(m.sums[t]);
   }
 };
-template <class M, int quad>
-struct FilterMomentsQuad {
+template <class M, int octet>
+struct FilterMomentsOctet {
   M m;
   TALUS_HD void operator()(int t) const {
-    add_filter_moments<quad>(m.points(t), m.domain, m.window_of(m.moment_windows, t));
+    add_filter_moments<octet>(m.points(t), m.domain, m.window_of(m.moment_windows, t));
   }
 };
 template <class M>

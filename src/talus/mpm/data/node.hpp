@@ -56,6 +56,10 @@ template <NodeOfFour Node>
 TALUS_HD void store_node(Node& node, Quad value) {
   store(reinterpret_cast<double*>(&node), value);
 }
+template <NodeOfEight Node>
+TALUS_HD void store_node(Node& node, Octet value) {
+  store(reinterpret_cast<double*>(&node), value);
+}
 template <NodeOfFour Node>
 TALUS_HD Node node_of(Quad value) {
   Node node;
