@@ -125,9 +125,9 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 /// none.
 template <Number R>
 struct PackSums {
-  R elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
-  R viscous_work = 0.0;
-  R viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
+  LaneSum<R> elastic, averaging, internal_work, plastic_work, collisional_work, viscous_work;
+  LaneSum<R> n_separated, n_unconverged;
+  R viscosity = 0.0;
 
   TALUS_HD void add_to(TileSums& sums) const {
     sums[Sum::elastic] += sum_of(elastic);
@@ -253,11 +253,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     R diffusion = volume * response.viscosity;
     if constexpr (StiffensFromNothing<Law>) {
       if (how.bulk_viscosity > 0) {
-        const R impedance = sqrt(max(zero, response.stiffness * mass * volume));  // rho c V
+        const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
         const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
         const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
         for (int c = 0; c < 3; ++c) flux[c] -= q;
-        total.viscous_work -= dt * q * trace(rate);
+        total.viscous_work += -(dt * q * trace(rate));
         diffusion += damping;
       }
     }
@@ -269,7 +269,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
     store(&s.stiffness[i], volume * response.stiffness);
-    total.viscosity = max(total.viscosity, diffusion / mass);
+    if (any(diffusion > zero)) total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
     };
