@@ -43,7 +43,7 @@ std::optional<double> Section::value_of(const toml::node& node, const Parameter&
     return std::nullopt;
   };
   double value;
-  if (p.unit == "1") {
+  if (p.unit == "1" || (p.unit == unit_of_strain && !node.is_string())) {
     if (!node.is_number()) return refuse("is not a plain number");
     value = node.is_integer() ? double(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(value)) return refuse("is not finite");
@@ -164,6 +164,15 @@ int Section::choice(const Option& option, int by_default) {
 int Section::required_choice(const Option& option) {
   expect_declared(option.key, Holds::word, false);
   return require(option.key, option.meaning) ? read_choice(option, 0) : 0;
+}
+
+std::optional<int> Section::deciding_choice(const Option& option) {
+  expect_declared(option.key, Holds::word, false);
+  if (!require(option.key, option.meaning)) return std::nullopt;
+  const auto word = table_->get(option.key)->value<std::string_view>();
+  const int chosen = read_choice(option, 0);
+  if (word && option.choices[std::size_t(chosen)].word == *word) return chosen;
+  return std::nullopt;
 }
 
 int Section::read_choice(const Option& option, int by_default) {
