@@ -121,7 +121,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 template <Number R>
 struct PackSums {
   R elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
-  R viscous_work = 0.0;
+  R viscous_work = 0.0, returned_work = 0.0;
   R viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
 
   TALUS_HD void add_to(TileSums& sums) const {
@@ -131,6 +131,7 @@ struct PackSums {
     sums[Sum::plastic_work] += sum_of(plastic_work);
     sums[Sum::collisional_work] += sum_of(collisional_work);
     sums[Sum::viscous_work] += sum_of(viscous_work);
+    sums[Sum::returned_work] += sum_of(returned_work);
     sums.raise(Most::viscosity, largest_of(viscosity));
     sums[Sum::separated] += sum_of(n_separated);
     sums[Sum::unconverged] += sum_of(n_unconverged);
@@ -224,6 +225,9 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.internal_work += volume * response.work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
+    if constexpr (MayReturnWork<Law>)
+      total.returned_work +=
+          volume * dt * max(zero, zero - collisional_dissipation(Law::collisional_stress(state), motion.strain_rate));
     store(&s.stiffness[i], volume * response.stiffness);
     total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
