@@ -41,6 +41,15 @@ TEST(Warnings, PressureThatIsMostlyNoiseIsTold) {
   EXPECT_NE(warnings_of(case_, run)[0].find("`bulk_viscosity` of 0.4"), std::string::npos);
 }
 
+TEST(Warnings, WorkThatCollisionsReturnIsTold) {
+  RunSummary run;
+  run.ledger.turnover = run.ledger.initial = run.ledger.plastic = 1;
+  run.ledger.returned = 0.009;
+  EXPECT_TRUE(warnings_of(Case(), run).empty());
+  run.ledger.returned = 0.034;
+  EXPECT_TRUE(one_begins(warnings_of(Case(), run), "Collisions returned 3.4 % of the energy released"));
+}
+
 TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
   // 2 kg on cells of 0.1 m: a hundredth of a cell is worth 2 x 9.81 x 0.001 = 0.01962 J.
   Case case_;

@@ -684,6 +684,9 @@ class Driver {
         row.push_back(v[0]);
     }
     row.push_back(now_.outcome);
+    if constexpr (MayReturnWork<Law>)
+      result_.n_returning +=
+          collisional_dissipation(Law::collisional_stress(now_.state), from_soil_sign(now_.rate)) < 0;
     for (double& value : row) value += 0.0;  // -0 becomes 0
     result_.rows.push_back(std::move(row));
   }

@@ -180,6 +180,10 @@ struct MuI {
     return state.history.stress;
   }
   template <class R>
+  TALUS_HD static SymTensor<R> collisional_stress(const State<R>& state) {
+    return state.history.stress;
+  }
+  template <class R>
   TALUS_HD R specific_volume(const State<R>& state) const {
     return R(1.0) + state.void_ratio;
   }

@@ -126,6 +126,11 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
         "Use {}a smoother `shape`.",
         -100 * l.method() / energy,
         case_.numerics.transfer == Transfer::affine_tau ? "" : "transfer = \"affine_tau\" or "));
+  if (energy > 0 && l.returned > most_returned * energy)
+    warnings.push_back(fmt::format(
+        "Collisions returned {:.1f} % of the energy released, where the flow extends: the tensor D.D is not "
+        "dissipative there. Use dispersive = \"isotropic\", or the law `granular_rate`.",
+        100 * l.returned / energy));
   if (run.noise && std::max(run.noise->in_time, run.noise->within_cells) > most_noise)
     warnings.push_back(fmt::format(
         "Pressure in flow is noisy: it fluctuates by {:.0f} % of its mean in time and by {:.0f} % among the particles "

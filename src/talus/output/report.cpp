@@ -232,7 +232,7 @@ std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSumm
                         (case_.axisymmetric ? " per radian"
                          : case_.dim == 2   ? " per metre of thickness"
                                             : "") +
-                        " that were turned over:</p>\n<table>\n";
+                        " of energy released:</p>\n<table>\n";
   const auto row = [&](const char* name, double joule) {
     section += fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule,
                            share(joule, l));

@@ -114,6 +114,51 @@ TEST(Stress, AsItIsIsVolumeTimesStressOfTheState) {
   EXPECT_EQ(s.volume[0], 3);
 }
 
+// ---- work that collisions return ---------------------------------------------------------------------------------
+
+/// What one step takes from collisions of a particle of 2 m3 of the paper's sand, whose velocity gradient is diag(xx, yy, 0).
+struct Returned {
+  double work;                    ///< counted [J]
+  Granular::State<double> state;  ///< after the step
+  double volume;                  ///< after it [m3]
+};
+Returned returned(const Granular& law, double xx, double yy) {
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<Granular>});
+  const auto before = isotropic_state(law, 1e4, 0.8);
+  p.reference_volume()[0] = 2 / law.specific_volume(before);
+  set_state<Granular>(p, 0, before);
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  s.gradient[0][0][0] = xx;
+  s.gradient[1][1][0] = yy;
+  TileSums sums;
+  update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {1e-7, {}, false, false, 0}, s, sums);
+  const auto after = state_of<Granular>(p, 0);
+  return {sums[Sum::returned_work], after, p.reference_volume()[0] * law.specific_volume(after)};
+}
+
+TEST(ReturnedWork, IsWhatDDGivesBackInAxisymmetricExtension) {
+  // Stretched at r along x: D = (r/3) diag(2, -1, -1), |g| = r/sqrt 3, tr D^3 = 2 r^3/9. Shear gets back, per volume and
+  // second, f (tr D^3 - 2 mu |g|^3) = (2/9) f r^3 (1 - sqrt 3 mu), positive for mu < 0.577: mu_s = 0.38 at small I.
+  const Granular law = case_1();
+  const double r = 2;
+  const Returned found = returned(law, r, 0);
+  const MuI& c = law.collisional;
+  const double g = r / std::sqrt(3.0), f = c.momentum_exchange(1 / law.specific_volume(found.state));
+  const double mu = c.friction(g, pressure(found.state.frictional.stress) + 2.0 / 3 * f * g * g);
+  const double expected = found.volume * 1e-7 * 2 / 9 * f * r * r * r * (1 - std::sqrt(3.0) * mu);
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(found.work, expected, 1e-12 * expected);
+}
+
+TEST(ReturnedWork, IsNoneInCompressionInPlaneShearAndOfAnIsotropicPressure) {
+  Granular law = case_1();
+  EXPECT_EQ(returned(law, -2, 0).work, 0) << "tr D^3 < 0";
+  EXPECT_EQ(returned(law, 2, -2).work, 0) << "tr D^3 = 0";
+  law.collisional.dispersive = Dispersive::isotropic;
+  EXPECT_EQ(returned(law, 2, 0).work, 0) << "2 mu f |g|^3 is spent";
+}
+
 // ---- bulk viscosity ----------------------------------------------------------------------------------------------
 
 /// A particle of sand at a pressure in a cell of half a metre, whose volume grows at a rate [1/s], with b = 0.4 and without.
@@ -329,7 +374,7 @@ void expect_packs_have_the_bits_of_one(const Law& law, double p0) {
         EXPECT_EQ(one.s.stiffness[i], pack.s.stiffness[i]) << Law::name;
       }
       for (const Sum sum : {Sum::elastic, Sum::averaging, Sum::internal_work, Sum::viscous_work, Sum::plastic_work,
-                            Sum::separated, Sum::unconverged, Sum::faulty})
+                            Sum::returned_work, Sum::separated, Sum::unconverged, Sum::faulty})
         EXPECT_NEAR(one.sums[sum], pack.sums[sum], 1e-12 * std::abs(one.sums[sum])) << Law::name << int(sum);
       EXPECT_EQ(one.sums[Most::viscosity], pack.sums[Most::viscosity]);
     }

@@ -125,7 +125,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 /// none.
 template <Number R>
 struct PackSums {
-  LaneSum<R> elastic, averaging, internal_work, plastic_work, collisional_work, viscous_work;
+  LaneSum<R> elastic, averaging, internal_work, plastic_work, collisional_work, viscous_work, returned_work;
   LaneSum<R> n_separated, n_unconverged;
   R viscosity = 0.0;
 
@@ -136,6 +136,7 @@ struct PackSums {
     sums[Sum::plastic_work] += sum_of(plastic_work);
     sums[Sum::collisional_work] += sum_of(collisional_work);
     sums[Sum::viscous_work] += sum_of(viscous_work);
+    sums[Sum::returned_work] += sum_of(returned_work);
     sums.raise(Most::viscosity, largest_of(viscosity));
     sums[Sum::separated] += sum_of(n_separated);
     sums[Sum::unconverged] += sum_of(n_unconverged);
@@ -268,6 +269,9 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.internal_work += volume * response.work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
+    if constexpr (MayReturnWork<Law>)
+      total.returned_work +=
+          volume * dt * max(zero, zero - collisional_dissipation(Law::collisional_stress(state), motion.strain_rate));
     store(&s.stiffness[i], volume * response.stiffness);
     if (any(diffusion > zero)) total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
