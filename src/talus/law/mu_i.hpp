@@ -90,7 +90,7 @@ struct MuI {
     const double g = shear_rate(deviator(strain_rate)), f = momentum_exchange(volume_fraction(void_ratio));
     // In the total form the pressure follows from the present flow; the others remember theirs.
     const double p_col = form == CollisionalForm::total ? dispersive_pressure(f, g) : pressure(h.stress);
-    const double p = std::max(h.p_f + p_col, 0.0), mu = friction(g, p);
+    const double p = std::max(0.0, h.p_f + p_col), mu = friction(g, p);
     return {g > 0 ? 2 * d * g * std::sqrt(rho_s / p) : 0, mu, 2 * f * mu * g};
   }
 
