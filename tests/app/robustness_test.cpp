@@ -63,7 +63,7 @@ TEST_F(Robustness, MoreThreadsThanProcessorsAreReducedUnlessTheyAreForced) {
   const std::string run =
       "run " + cases + "free_fall.toml --until '5 ms' --overwrite --out " + in("out") + " --threads ";
   const auto threads = [&] {
-    return nlohmann::json::parse(contents(folder_ / "out/record.json"))["run"]["threads"].get<int>();
+    return nlohmann::json::parse(contents(folder_ / "out/record.json"))["machine"]["threads"].get<int>();
   };
   const Finished many = talus(run + "999");
   ASSERT_EQ(many.code, 0) << many.output;

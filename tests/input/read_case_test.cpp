@@ -290,7 +290,7 @@ TEST(ReadCase, TauHasNoDefaultWithoutGravity) {
   std::string text = slump("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"0 m/s2\", \"0 m/s2\"]");
   text.replace(text.find("initial_stress = \"k0\""), 21, "initial_stress = \"zero\"");
   EXPECT_NE(complaints(text).find("`tau` is missing"), std::string::npos);
-  EXPECT_NE(complaints(text).find("transfer = \"apic\" for bodies that turn"), std::string::npos) << complaints(text);
+  EXPECT_NE(complaints(text).find("transfer = \"apic\" for bodies that rotate"), std::string::npos) << complaints(text);
 }
 
 TEST(ReadCase, DefaultsAreSpeltOutWithTheirReason) {
