@@ -144,7 +144,7 @@ void claim_folder(Task& task, const RunOptions& options) {
   if (const std::string why = reason_not_to_write(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
   // Results of an earlier run must not be mistaken for those of this one.
-  for (const char* name : {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "failure.hdf",
+  for (const char* name : {"checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "failure.hdf",
                            "record.json", "report.html"})
     fs::remove(task.folder / name);
   fs::remove_all(task.folder / "failure");
