@@ -3,6 +3,7 @@
 #include <errno.h>  // program_invocation_name
 #include <fmt/format.h>
 
+#include "talus/app/processes.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/mpm/start/body.hpp"
@@ -23,7 +24,7 @@ std::string quoted(const std::string& word) {
 }
 
 std::string command(const std::string& run, int threads) {
-  return fmt::format("{} run {}{}", quoted(program_invocation_name), run,
+  return fmt::format("{}{} run {}{}", processes().launcher(), quoted(program_invocation_name), run,
                      threads > 0 ? fmt::format(" --threads {}", threads) : "");
 }
 
@@ -117,7 +118,8 @@ Task read_task(const RunOptions& options) {
 }
 
 void expect_memory_for(const Case& case_) {
-  const double needed = estimated_bytes(case_), free = free_memory();
+  // At the start every process fills all bodies, then keeps its share.
+  const double needed = estimated_bytes(case_) * processes().n_on_this_machine(), free = free_memory();
   if (free > 0 && needed > free)
     throw InputError(
         fmt::format("about {:.2g} particles need some {:.2g} GB of memory, and {:.2g} GB are free here; a "
