@@ -69,7 +69,7 @@ def figures():
         return "\n".join(text + [
             "This site was built without figures. Run `talus reproduce all`, then `./dev docs`, to see them here."])
     shutil.copytree(made, source / "validation/reproduced",
-                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".talus", ".series"))])
+                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".h5", ".series"))])
     text += ["Recomputed by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
     for folder in sorted((root / "validation").iterdir()):
         page = made / folder.name / "index.html"

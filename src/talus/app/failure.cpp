@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "talus/app/interrupt.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/app/progress.hpp"
-#include "talus/mpm/simulation.hpp"
 
 namespace talus {
 
@@ -70,7 +70,7 @@ void write_run(const fs::path& folder, const Task& task, const Case& case_, cons
 std::string write_reproducer(const Task& task, const Case& case_, Backend& loop, int threads, const Failure& failure) {
   std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
   if (!saved) return "";
-  const auto simulation = make_simulation(case_, loop);
+  const auto simulation = processes().make_simulation(case_, task.case_file, task.case_text, loop);
   saved->restore(*simulation);
   saved->state.clear();  // as large as the particles
   if (failure.step - saved->so_far.step <= steps_before)

@@ -12,6 +12,7 @@
 
 #include "talus/app/commands.hpp"
 #include "talus/app/memory_limit.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/text.hpp"
@@ -191,9 +192,7 @@ int code_after_output(int code) {
   return code == 0 ? talus::exit_failed : code;
 }
 
-}  // namespace
-
-int talus_program(int argc, char** argv) {
+int program(int argc, char** argv) {
   CLI::App app{"talus " + talus::version() + ": granular ground that fails, flows and comes to rest"};
   app.set_version_flag("--version", talus::version());
   app.require_subcommand(1);
@@ -209,4 +208,21 @@ int talus_program(int argc, char** argv) {
     return talus::exit_input;
   }
   return code_after_output(run_command(commands));
+}
+
+}  // namespace
+
+/// The first of the processes that a launcher has started is the program; the others follow it.
+int talus_program(int argc, char** argv) {
+  talus::Processes& processes = talus::processes();
+  try {
+    processes.connect(&argc, &argv);
+  } catch (const std::exception& e) {
+    if (talus::launched().process == 0) std::fprintf(stderr, "talus: %s\n", e.what());
+    return talus::exit_input;
+  }
+  if (!processes.is_first()) return processes.follow();
+  const int code = program(argc, argv);
+  processes.disconnect();
+  return code;
 }

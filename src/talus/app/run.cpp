@@ -11,11 +11,12 @@
 #include "talus/app/failure.hpp"
 #include "talus/app/interrupt.hpp"
 #include "talus/app/memory_limit.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/app/progress.hpp"
 #include "talus/app/recorder.hpp"
 #include "talus/app/task.hpp"
 #include "talus/app/threads.hpp"
-#include "talus/backend/backend.hpp"
+#include "talus/base/machine.hpp"
 #include "talus/mpm/start/plausibility.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/plot.hpp"
@@ -76,17 +77,25 @@ Run::Run(const RunOptions& options)
       task_(read_task_to_end(options)),
       case_(task_.input.case_),
       doubts_(doubts_about(case_)),
-      loop_(make_openmp(usable_threads(options.threads, options.force_threads))),
-      simulation_(make_simulation(case_, *loop_)),
+      loop_(processes().make_backend(usable_threads(options.threads, options.force_threads))),
+      simulation_(processes().make_simulation(case_, task_.case_file, task_.case_text, *loop_)),
       outlines_(case_, simulation_->places()),
       summary_(summary_at_start()),
       recorder_(task_, restore_or_claim_folder(), outlines_, *simulation_),
       progress_(case_.end, simulation_->ledger()) {}
 
 int Run::run() {
-  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", case_.title, summary_.n_particles,
-             summary_.n_threads, summary_.n_threads == 1 ? "" : "s", task_.folder.string());
+  const int n = processes().n();
+  fmt::print(stderr, "{}: {} particles, {}{} thread{}; results in {}\n", case_.title, summary_.n_particles,
+             n > 1 ? fmt::format("{} processes of ", n) : "", summary_.n_threads, summary_.n_threads == 1 ? "" : "s",
+             task_.folder.string());
+  if (n > 1 && n_usable_processors() < summary_.n_threads)
+    fmt::print(stderr,
+               "warning: each process has {} threads and may use {} of the processors; mpirun --bind-to none lets it "
+               "use all\n",
+               summary_.n_threads, n_usable_processors());
   for (const std::string& doubt : doubts_) fmt::print(stderr, "warning: {}\n", doubt);
+  processes().set_command_to_resume(how_to_resume());
   if (task_.saved) fmt::print(stderr, "resumes from {}\n", recorder_.last_checkpoint());
   const int signal = step_until_end_or_signal();
   progress_.finish(simulation_->ledger(), summary_.n_particles);

@@ -3,6 +3,7 @@
 #include <errno.h>  // program_invocation_name
 #include <fmt/format.h>
 
+#include "talus/app/processes.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/mpm/start/body.hpp"
@@ -23,7 +24,7 @@ std::string quoted(const std::string& word) {
 }
 
 std::string command(const std::string& run, int threads) {
-  return fmt::format("{} run {}{}", quoted(program_invocation_name), run,
+  return fmt::format("{}{} run {}{}", processes().launcher(), quoted(program_invocation_name), run,
                      threads > 0 ? fmt::format(" --threads {}", threads) : "");
 }
 
@@ -120,7 +121,8 @@ Task read_task(const RunOptions& options) {
 }
 
 void expect_memory_for(const Case& case_) {
-  const double needed = estimated_bytes(case_), free = free_memory();
+  // At the start every process fills all bodies, then keeps its share.
+  const double needed = estimated_bytes(case_) * processes().n_on_this_machine(), free = free_memory();
   if (free > 0 && needed > free)
     throw InputError(
         fmt::format("{:.2g} particles need about {:.2g} GB of memory, and {:.2g} GB are free; use a larger "
@@ -147,7 +149,7 @@ void claim_folder(Task& task, const RunOptions& options) {
   if (const std::string why = reason_not_to_write(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
   // Results of an earlier run must not be mistaken for those of this one.
-  for (const char* name : {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "failure.hdf",
+  for (const char* name : {"checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "failure.hdf",
                            "record.json", "report.html"})
     fs::remove(task.folder / name);
   fs::remove_all(task.folder / "failure");

@@ -38,7 +38,7 @@ class Stepper final : public Simulation {
     double elastic = 0;
     for (const auto& body : model_.bodies) {
       double of_body = 0;
-      for (double energy : joined(model_.backend, elastic_energies<Dim>(body, 0))) of_body += energy;
+      for (double energy : joined(model_.backend.gather(elastic_energies<Dim>(body, 0)))) of_body += energy;
       elastic += of_body;
     }
     ledger_.start(add_up_particles(model_), elastic);
@@ -91,6 +91,14 @@ class Stepper final : public Simulation {
     for (const auto& body : model_.bodies)
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;
+  }
+  Share share() const override {
+    Share share;
+    for (const auto& body : model_.bodies) share.n_particles += body.particles.size();
+    for (int t = 0; t < model_.grid.n_tiles(); ++t) share.n_tiles += model_.grid.tile(t).owned;
+    for (std::size_t o = 0; o < model_.halo.sends.size(); ++o)
+      share.n_neighbours += !model_.halo.sends[o].empty() || !model_.halo.receives[o].empty();
+    return share;
   }
   void save(const WriteArray& write) const override {
     talus::save(model_, ledger_, tally_, carried_, write);
