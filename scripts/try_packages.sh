@@ -4,11 +4,8 @@
 set -euo pipefail
 root=$(mktemp -d /var/tmp/talus-root-XXXXXX)
 trap 'rm -rf "$root"' EXIT
-mirrors=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null | grep '^deb ' | head -1 | sed -E 's/\[[^]]*\]//' | awk '{print $2}')
-[ -n "$mirrors" ] || mirrors=$(cat /etc/apt/sources.list.d/*.sources 2>/dev/null | sed -n 's/^URIs: *//p' | head -1)
-aptopts=()
-[ -f /etc/apt/apt.conf.d/proxy.conf ] && aptopts+=(--aptopt=/etc/apt/apt.conf.d/proxy.conf)
-mmdebstrap --mode=root --variant=minbase --quiet "${aptopts[@]}" bookworm "$root" "${mirrors:-http://deb.debian.org/debian}"
+mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *(http[^ ]*).*/\3/p' | head -1)
+mmdebstrap --mode=root --variant=minbase --quiet bookworm "$root" "${mirror:-http://deb.debian.org/debian}"
 cp "$@" "$root/tmp/"
 cp /etc/resolv.conf "$root/etc/" 2>/dev/null || true
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin:/usr/sbin:/sbin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }

@@ -123,6 +123,29 @@ def rows_of(text):
     return [[float(x) for x in line.split()] for line in text.splitlines()]
 
 
+def check_umat(folder, environment):
+    """What element tests do not show of UMAT: rotation, steps without time, wrong constants."""
+    path, still, identity = folder / "path", [0] * 6, [1, 0, 0, 0, 1, 0, 0, 0, 1]
+
+    def umat(constants, start, steps):
+        path.write_text("\n".join([f"{len(constants)} {numbers(constants)}", numbers([*start, 0]), str(len(steps)),
+                                   *[numbers(step) for step in steps]]) + "\n")
+        return subprocess.run([folder / "drive", "umat", "6", path], text=True, capture_output=True, env=environment)
+
+    elastic = [8, 1, 0, 0, 0, 0, 1e7, 0.25, 0]
+    quarter_turn = [0, -1, 0, 1, 0, 0, 0, 0, 1]  # about z
+    turned = rows_of(umat(elastic, [-100, 0, 0, 0, 0, 0], [[1, *still, *identity], [1, *still, *quarter_turn]]).stdout)
+    if [round(x, 9) for x in turned[1][:6]] != [0, -100, 0, 0, 0, 0]:
+        sys.exit(f"DROT does not rotate the state: {turned[1]}")
+    fluid, shear = [9, 1, 0, 0, 0, 0, 1e6, 0.5], [0, 0, 0, 1e-3, 0, 0]
+    stresses = rows_of(umat(fluid, [-100, -100, -100, 0, 0, 0], [[0, *shear, *identity], [0.1, *shear, *identity]]).stdout)
+    if abs(stresses[0][3]) > 1e-12 or abs(stresses[1][3] - 0.5 * 1e-3 / 0.1) > 1e-12:  # eta times the engineering shear rate
+        sys.exit(f"without time the stress must be that at rest: {stresses}")
+    wrong = umat([8, 1, 0, 0, 0, 0, -1e7, 0.25, 0], still, [[1, *still, *identity]])
+    if wrong.returncode != 4 or "PROPS(7) E = -1e+07 is out of range" not in wrong.stderr:
+        sys.exit(f"wrong constants must reduce PNEWDT and be printed: {wrong.returncode} {wrong.stderr}")
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
     report_file = pathlib.Path(sys.argv[sys.argv.index("--report") + 1]) if "--report" in sys.argv else build / "interfaces.md"
@@ -144,6 +167,7 @@ def main():
         run("gfortran", "-O1", "-ffree-line-length-none", "-Wall", "-Wno-unused-dummy-argument", HERE / "drive.f90", "-o", folder / "drive", library / "libtalus_umat.so",
             f"-Wl,-rpath,{library}", cwd=folder)
         laws = read_laws(program)
+        check_umat(folder, clean)
 
         lines, worst = [], 0.0
         for number, test in enumerate(TESTS):
