@@ -545,7 +545,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
   expect_mistake([](Case& c) { c.bodies[0].void_ratio = 0.4; }, "denser than random close packing");
   expect_mistake([](Case& c) { c.gravity = {0, 9.81, 0}; }, "k0 needs gravity, downwards");
   expect_mistake([](Case& c) { c.walls[2] = WallKind::periodic; },
-                 "domain.walls.y_min must have its like on the other side: `y_max` is not periodic");
+                 "domain.walls.y_min needs the opposite side `y_max` to be periodic too");
   expect_mistake([](Case& c) { c.axisymmetric = true; }, "domain.min must not be below 0 along x");
   expect_mistake([](Case& c) { c.numerics.f_bar = true; }, "numerics.average_pressure must be false with `f_bar`");
   expect_mistake(

@@ -347,9 +347,9 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
       "\"rough\"\n[material.water]\nlaw = \"newtonian_fluid\"\nK = \"1 MPa\"\neta = \"0 Pa s\"\ndensity = \"1000 "
       "kg/m3\"",
       "`rough` needs a law with a critical friction angle; material `water` has none");
-  expect("\"periodic\"", "must have its like on the other side: `y_max` is not periodic");
+  expect("\"periodic\"", "needs the opposite side `y_max` to be periodic too");
   expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
-         "must have its like on the other side: `x_max` is not periodic");
+         "needs the opposite side `x_max` to be periodic too");
   expect("{ friction = 0.3 }", "`kind` is missing");
   expect("\"symmetry\"", "cannot be a plane of symmetry: gravity goes through it");
 }

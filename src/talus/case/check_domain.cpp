@@ -61,7 +61,7 @@ void check_periods(MistakesOf domain, const Case& case_) {
     if (low != high)
       domain.in("walls").add(
           name_of_side(low ? 2 * a : 2 * a + 1),
-          fmt::format("is periodic and `{}` is not; make both periodic", name_of_side(low ? 2 * a + 1 : 2 * a)));
+          fmt::format("needs the opposite side `{}` to be periodic too", name_of_side(low ? 2 * a + 1 : 2 * a)));
     else if (low && n % periodic_multiple != 0)
       domain.add("max", fmt::format("makes a period of {} cells along {}; it must be a multiple of {}", n,
                                     axis_names[a], periodic_multiple));

@@ -155,18 +155,23 @@ std::vector<Override> read_overrides(const std::vector<std::string>& assignments
 
 void apply(toml::table& root, const std::vector<Override>& overrides) {
   for (const Override& o : overrides) {
+    toml::table value = parsed_value(o);
     toml::node* node = &root;
     for (std::size_t i = 0; i + 1 < o.path.size(); ++i) {
       toml::node* next = child(*node, o.path[i]);
-      if (!next && node->is_table()) next = &node->as_table()->insert_or_assign(o.path[i], toml::table{}).first->second;
+      if (!next && node->is_table())
+        next = &node->as_table()
+                    ->insert_or_assign(toml::key(o.path[i], value.get("value")->source()), toml::table{})
+                    .first->second;
       if (!next || !(next->is_table() || next->is_array()))
         refuse_override(o.source, next ? fmt::format("`{}` is no section", o.path[i])
                                        : fmt::format("{} has no element {}", o.path[i - 1], o.path[i]));
       node = next;
     }
-    toml::table value = parsed_value(o);
     if (toml::table* table = node->as_table()) {
-      value.get("value")->visit([&](auto& v) { table->insert_or_assign(o.path.back(), std::move(v)); });
+      value.get("value")->visit([&](auto& v) {
+        table->insert_or_assign(toml::key(o.path.back(), value.get("value")->source()), std::move(v));
+      });
     } else {
       const auto index = index_in(o.path.back());
       toml::array& list = *node->as_array();
