@@ -36,13 +36,13 @@ const std::string text = R"(title = "a = b"
 phi_c = "20 deg"   # of friction
 d = "1 mm"
 [body.column]
-box = { min = [0, 0],
-        max = [1, 1] }
+box = { min = [0, 0], max = [1,
+                             1] }
 points = { file = "points.csv" }
 )";
 
 TEST(OverrideSeries, SplitsValuesAtCommasOutsideQuotesAndBrackets) {
-  EXPECT_EQ(values_of("material.glass.phi_c=20 deg,30 deg"), (std::vector<std::string>{"\"20 deg\"", "\"30 deg\""}));
+  EXPECT_EQ(values_of("material.glass.phi_c=20 deg,30 deg"), (std::vector<std::string>{"'20 deg'", "'30 deg'"}));
   EXPECT_EQ(values_of("numerics.cfl=0.3, 0.5"), (std::vector<std::string>{"0.3", "0.5"}));
   EXPECT_EQ(values_of(R"(output.pictures=["0 s", "1 s"],[])"), (std::vector<std::string>{R"(["0 s", "1 s"])", "[]"}));
   EXPECT_EQ(values_of(R"(title="a, b",'c')").size(), 2u);
