@@ -32,7 +32,7 @@ def pages():
 
 
 def place_of(path):
-    """Path in the site of a file of the repository; none if it is neither a page nor a picture of docs/."""
+    """Path in the site of a file of the repository; none if it is neither a page nor a picture or notebook of docs/."""
     if path.parts[0] == "docs":
         return pathlib.Path(*path.parts[1:])
     return path if path in pages() else None
@@ -193,6 +193,7 @@ def main():
         wide = "---\nhide: [toc]\n---\n\n" if page.stem in ("index", "gallery") else ""  # no table of contents beside them
         place.write_text(wide + rewritten((root / page).read_text(), page))
     shutil.copytree(root / "docs/images", source / "images")
+    shutil.copytree(root / "docs/notebooks", source / "notebooks")
     for part in ("site.js", "site.css"):
         shutil.copyfile(root / "docs/site" / part, source / part)
     shutil.copyfile(root / "docs/site/mkdocs.yml", folder / "mkdocs.yml")

@@ -59,6 +59,24 @@ int calibrate_law(const CalibrateOptions& options);
 /// Opens the report of a run if there is a display; otherwise prints its path.
 int view_report(const std::string& folder);
 
+struct SweepOptions {
+  std::string case_file;         ///< or the folder of a sweep, to continue it
+  std::vector<std::string> set;  ///< "KEY=VALUE,VALUE,..." each
+  std::string out;               ///< folder for results; empty: out/NAME_sweep
+  int workers = 1;               ///< runs at the same time
+  int threads = 0;               ///< of each run; 0: as many as there are processors for each worker
+  bool overwrite = false;        ///< begin every run anew
+};
+/// Runs a case with every combination of some values. Throws RunError at the end if runs failed.
+int run_sweep(const SweepOptions& options);
+
+struct CompareOptions {
+  std::string folder_a, folder_b;  ///< with the results of runs
+  std::string out;                 ///< HTML file; empty: out/compare_A_B.html
+};
+/// Writes a page with two runs side by side, and prints their differences in numbers.
+int compare_runs(const CompareOptions& options);
+
 int list_everything();
 
 /// Prints a case or element test to start from, with comments, and writes the maps that it names into a folder here, unless

@@ -52,6 +52,8 @@ class Commands {
     add_run(app);
     add_check(app);
     add_view(app);
+    add_sweep(app);
+    add_compare(app);
     add_element(app);
     add_calibrate(app);
     add_reproduce(app);
@@ -117,6 +119,34 @@ class Commands {
         ->required();
   }
 
+  void add_sweep(CLI::App& app) {
+    CLI::App* command = add(app, "sweep", "run a case with every combination of some values",
+                            [this] { return talus::run_sweep(sweep_options_); });
+    command->add_option("CASE", sweep_options_.case_file, "case file (TOML), or the folder of a sweep to continue")
+        ->required();
+    command
+        ->add_option("--set", sweep_options_.set,
+                     "a key and its values, \"material.glass.phi_c=20 deg,30 deg\"; repeat for more keys")
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+    command->add_option("--out", sweep_options_.out, "folder for the results [out/CASE_sweep]");
+    command->add_option("--workers", sweep_options_.workers, "runs at the same time [1]")->check(CLI::Range(1, 1024));
+    command->add_option("--threads", sweep_options_.threads, "threads of each run [processors / workers]")
+        ->check(CLI::Range(1, 4096));
+    command->add_flag("--overwrite", sweep_options_.overwrite, "begin every run of the sweep anew");
+    command->footer(
+        "The same command continues a sweep that was stopped: complete runs stay, others resume from their last "
+        "checkpoint.");
+  }
+
+  void add_compare(CLI::App& app) {
+    CLI::App* command = add(app, "compare", "compare two runs: a page with both side by side, and what differs",
+                            [this] { return talus::compare_runs(compare_options_); });
+    command->add_option("A", compare_options_.folder_a, "folder of the results of a run")->required();
+    command->add_option("B", compare_options_.folder_b, "folder of the results of another run")->required();
+    command->add_option("--out", compare_options_.out, "HTML file [out/compare_A_B.html]");
+  }
+
   void add_element(CLI::App& app) {
     CLI::App* command =
         add(app, "element", "run an element test", [this] { return talus::run_element(element_options_); });
@@ -153,6 +183,8 @@ class Commands {
   }
 
   talus::RunOptions run_options_;
+  talus::SweepOptions sweep_options_;
+  talus::CompareOptions compare_options_;
   talus::ElementOptions element_options_;
   talus::CalibrateOptions calibrate_options_;
   talus::ReproduceOptions figure_options_;
