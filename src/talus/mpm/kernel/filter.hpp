@@ -209,7 +209,7 @@ TALUS_HD void add_filter_moments(const TilePoints<Dim, Shape>& points, const Dom
     const detail::Touched<Dim, Shape> touched(points, domain, i, count);
     const Quad mass = load<Quad>(p.mass() + first, count);
     Quad values[2][4];
-    for (int half : {0, 1}) {
+    for (int half = 0; half < 2; ++half) {
       for (int a = 0; a < 4; ++a) {
         values[half][a] = mass;
         if (2 * octet + half <= Dim && a < 3)
