@@ -8,7 +8,7 @@ namespace talus {
 
 namespace {
 
-constexpr Text title_of_case{"title", "what the case is, in one line", 200};
+constexpr Text title_of_case{"title", "what the case is, in one line"};
 
 const Declaration& run_declaration() {
   static const Declaration d("[run]", {required(keys::end), optional(keys::stop_below)});
@@ -62,9 +62,8 @@ CaseFile read_case_text(const std::string& name, std::string_view text, const st
   return {std::move(case_), std::move(document.understood())};
 }
 
-CaseFile read_case(const std::string& path, const std::vector<Override>& overrides) {
+CaseFile read_case(const std::string& path) {
   Document document(path);
-  document.replace(overrides);
   Case case_ = understand_case(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(case_), std::move(document.understood())};

@@ -33,8 +33,7 @@ using AnyLaw = Laws::any;
 template <class Law>
 AnyLaw settled(const Law& law) {
   if constexpr (std::same_as<Law, Granular>) {
-    if (law.collisional.form != CollisionalForm::total)
-      return GranularWithHistory{law.frictional, law.collisional, law.separated_grains};
+    if (law.collisional.form != CollisionalForm::total) return GranularWithHistory{law.frictional, law.collisional};
   }
   return law;
 }
