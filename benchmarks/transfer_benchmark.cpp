@@ -18,7 +18,7 @@ struct FullTile {
 
   std::vector<FourPlaces<Dim>> fours;  ///< the particles, four at a time [cells]
   MassVelocity velocity[Layout::n_window];
-  Acceleration acceleration[Layout::n_window];
+  NodeMotion motion[Layout::n_window];
   ForceStiffness sums[Layout::n_window];
 
   FullTile() {
@@ -34,7 +34,7 @@ struct FullTile {
       }
     for (int i = 0; i < Layout::n_window; ++i) {
       velocity[i] = node_of<MassVelocity>(Quad(uniform(random)));
-      acceleration[i] = node_of<Acceleration>(Quad(uniform(random)));
+      motion[i] = {velocity[i], node_of<Acceleration>(Quad(uniform(random)))};
       sums[i] = node_of<ForceStiffness>(Quad(uniform(random)));
     }
   }
@@ -67,10 +67,8 @@ template <int Dim, class Shape>
 void interpolate_two(benchmark::State& timer) {
   FullTile<Dim, Shape> tile;
   tile.time(timer, [&](const auto& w) {
-    Quad at_a, at_b;
-    interpolate(w, tile.velocity, tile.acceleration, at_a, at_b);
-    benchmark::DoNotOptimize(at_a);
-    benchmark::DoNotOptimize(at_b);
+    Octet at = interpolate(w, tile.motion);
+    benchmark::DoNotOptimize(at);
   });
 }
 

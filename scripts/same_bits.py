@@ -14,20 +14,13 @@ import sys
 import tempfile
 import time
 
+import h5py
+
 
 def arrays(file):
-    """The arrays of a checkpoint but for what tells of the program and the clock; see output/checkpoint.cpp."""
-    content = file.read_bytes()
-    at, found = content.index(b"\n") + 1, {}
-    while at < len(content) - 4:
-        parts = []
-        for _ in range(2):
-            (length,) = struct.unpack_from("<Q", content, at)
-            parts.append(content[at + 8:at + 8 + length])
-            at += 8 + length
-        found[parts[0].decode()] = parts[1]
-    del found["the run so far"]
-    return found
+    """The arrays of a checkpoint, as bytes."""
+    with h5py.File(file) as checkpoint:
+        return {name: array[()].tobytes() for name, array in checkpoint["state"].items()}
 
 
 def run(talus, case, out, until, threads):
@@ -37,7 +30,7 @@ def run(talus, case, out, until, threads):
     if done.returncode != 0:
         return None, time.time() - start, done.stderr.strip().splitlines()[-1:]
     # Two checkpoints are kept: the one at the start and the last, or the last two.
-    states = [arrays(f) for f in sorted(out.glob("checkpoint_*.talus"))]
+    states = [arrays(f) for f in sorted(out.glob("checkpoint_*.h5"))]
     last = max(states, key=lambda s: struct.unpack_from("<d", s["ledger"])[0])
     return {"history.csv": (out / "history.csv").read_bytes(), **last}, time.time() - start, []
 

@@ -32,7 +32,7 @@ def pages():
 
 
 def place_of(path):
-    """Path in the site of a file of the repository; none if it is neither a page nor a picture of docs/."""
+    """Path in the site of a file of the repository; none if it is neither a page nor a picture or notebook of docs/."""
     if path.parts[0] == "docs":
         return pathlib.Path(*path.parts[1:])
     return path if path in pages() else None
@@ -69,7 +69,7 @@ def figures():
         return "\n".join(text + [
             "This site was built without figures. Run `talus reproduce all`, then `./dev docs`, to see them here."])
     shutil.copytree(made, source / "validation/reproduced",
-                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".talus", ".series"))])
+                    ignore=lambda folder, names: [n for n in names if n.endswith((".hdf", ".h5", ".series"))])
     text += ["Recomputed by `talus reproduce all`. [All verdicts on one page](reproduced/index.html).", ""]
     for folder in sorted((root / "validation").iterdir()):
         page = made / folder.name / "index.html"
@@ -193,6 +193,7 @@ def main():
         wide = "---\nhide: [toc]\n---\n\n" if page.stem in ("index", "gallery") else ""  # no table of contents beside them
         place.write_text(wide + rewritten((root / page).read_text(), page))
     shutil.copytree(root / "docs/images", source / "images")
+    shutil.copytree(root / "docs/notebooks", source / "notebooks")
     for part in ("site.js", "site.css"):
         shutil.copyfile(root / "docs/site" / part, source / part)
     shutil.copyfile(root / "docs/site/mkdocs.yml", folder / "mkdocs.yml")

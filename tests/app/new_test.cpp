@@ -56,7 +56,7 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   EXPECT_TRUE(has(slump, "#   numerics.cfl = 0.65 ")) << slump;
   const Finished wrong = program::talus("new slump2d");
   EXPECT_EQ(wrong.code, 2);
-  EXPECT_TRUE(has(wrong.output, "there is no template `slump2d`; did you mean `slump_2d`?")) << wrong.output;
+  EXPECT_TRUE(has(wrong.output, "`slump2d` is not a case of talus; did you mean `slump_2d`?")) << wrong.output;
 }
 
 TEST_F(ANewCase, ComesWithTheMapsThatItNames) {

@@ -133,11 +133,11 @@ TEST_F(Resume, ARunKilledAtRandomMomentsEndsByTheBitsOfAnUnbrokenOne) {
   int kills = 0, while_writing = 0, with_progress = 0, finished = 0;
   std::string before;
   const auto is_writing = [&] {
-    return fs::exists(folder_ / "killed/checkpoint_0.talus.unfinished") ||
-           fs::exists(folder_ / "killed/checkpoint_1.talus.unfinished");
+    return fs::exists(folder_ / "killed/checkpoint_0.h5.unfinished") ||
+           fs::exists(folder_ / "killed/checkpoint_1.h5.unfinished");
   };
   while (kills < TALUS_KILLS) {
-    for (const char* name : {"killed/checkpoint_0.talus.unfinished", "killed/checkpoint_1.talus.unfinished"})
+    for (const char* name : {"killed/checkpoint_0.h5.unfinished", "killed/checkpoint_1.h5.unfinished"})
       fs::remove(folder_ / name);  // left by the kill before; is made anew
     const std::string threads = std::to_string(1 + random() % 3);
     Running slumping({"run", in("slump.toml"), "--out", in("killed"), "--resume", "--threads", threads}, in("log"));
@@ -155,7 +155,7 @@ TEST_F(Resume, ARunKilledAtRandomMomentsEndsByTheBitsOfAnUnbrokenOne) {
     ASSERT_EQ(end.code, -1) << end.output;
     ++kills;
     while_writing += is_writing();
-    with_progress += has(end.output, "goes on from") && end.output != before;
+    with_progress += has(end.output, "resumes from") && end.output != before;
     before = end.output;
   }
   const Finished last = run_slump("killed", "--resume --threads 2");
@@ -180,7 +180,7 @@ TEST_F(Resume, CheckpointsByTheClockComeWhileARunIsAtWorkAndChangeNothing) {
   }
   const Finished on = talus("run " + in("clock") + " --resume");
   EXPECT_EQ(on.code, 0) << on.output;
-  EXPECT_TRUE(has(on.output, "goes on from")) << on.output;
+  EXPECT_TRUE(has(on.output, "resumes from")) << on.output;
   EXPECT_FALSE(has(on.output, "t = 0 s")) << on.output;
   EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "clock"), "");
 }
@@ -228,7 +228,7 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
   ASSERT_EQ(run("stopped", "--until '0.3 s'").code, 0);
   const std::string other = replaced(brief, "phi = \"30 deg\"", "phi = \"31 deg\"");
   ASSERT_EQ(talus("run " + write("other.toml", other) + " --until '5 ms' --out " + in("other")).code, 0);
-  fs::path newer = folder_ / "stopped/checkpoint_0.talus", older = folder_ / "stopped/checkpoint_1.talus";
+  fs::path newer = folder_ / "stopped/checkpoint_0.h5", older = folder_ / "stopped/checkpoint_1.h5";
   if (fs::last_write_time(newer) < fs::last_write_time(older)) std::swap(newer, older);
   const std::string whole = contents(newer);
   fs::copy(folder_ / "stopped", folder_ / "kept", fs::copy_options::recursive);
@@ -244,9 +244,9 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
       {"it is damaged: cut off, or changed", [&] { spoil(newer, whole.size() - 2); }},
       {"it is no checkpoint of talus", [&] { fs::resize_file(newer, 0); }},
       {"it is no checkpoint of talus", [&] { std::ofstream(newer) << "\x89HDF\r\n\x1a\n and so on"; }},
-      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 5", "checkpoint 6"); }},
+      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 6", "checkpoint 7"); }},
       {"of another case:\n  material.sand.phi was 31 deg, is 30 deg",
-       [&] { fs::copy_file(in("other/checkpoint_0.talus"), newer, fs::copy_options::overwrite_existing); }},
+       [&] { fs::copy_file(in("other/checkpoint_0.h5"), newer, fs::copy_options::overwrite_existing); }},
   };
   for (const Damage& damage : damages) {
     fs::remove_all(folder_ / "stopped");
@@ -256,10 +256,10 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
     EXPECT_EQ(on.code, 0) << on.output;
     EXPECT_TRUE(has(on.output, newer.string() + " cannot be used: ")) << on.output;
     EXPECT_TRUE(has(on.output, damage.sentence)) << on.output;
-    EXPECT_TRUE(has(on.output, "goes on from " + older.string())) << on.output;
+    EXPECT_TRUE(has(on.output, "resumes from " + older.string())) << on.output;
     EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "stopped"), "");
     // and of the two it was the refused one that made place
-    EXPECT_TRUE(has(talus("run " + in("stopped") + " --resume").output, "goes on from ")) << damage.sentence;
+    EXPECT_TRUE(has(talus("run " + in("stopped") + " --resume").output, "resumes from ")) << damage.sentence;
   }
 
   // With none left nothing is touched.
@@ -320,7 +320,7 @@ TEST_F(Resume, WhereNothingIsYetTheRunBegins) {
   ASSERT_EQ(run("new", "--resume --until '0.1 s'").code, 0);
   EXPECT_EQ(contents(in("new/history.csv")), contents(in("unbroken/history.csv")));
   // but results without a checkpoint are nobody's to overwrite
-  for (const char* name : {"new/checkpoint_0.talus", "new/checkpoint_1.talus"}) fs::remove(folder_ / name);
+  for (const char* name : {"new/checkpoint_0.h5", "new/checkpoint_1.h5"}) fs::remove(folder_ / name);
   const Finished none = run("new", "--resume");
   EXPECT_EQ(none.code, 2);
   EXPECT_TRUE(has(none.output, "holds results but no checkpoint")) << none.output;
@@ -334,16 +334,16 @@ TEST_F(Resume, AFullDiskStopsARunThatLosesNothingAndGoesOnWhenThereIsRoom) {
   // A limit on the size of files, in blocks of 512 bytes, stands for the full disk. It is set by what is larger than
   // everything written before it: here the first checkpoint, or a row of history.csv.
   const auto blocks = [&](const char* file) { return int(fs::file_size(folder_ / "unbroken" / file) / 512); };
-  ASSERT_GT(blocks("checkpoint_0.talus"), blocks("particles_0000.hdf") + 8);
-  ASSERT_GT(blocks("history.csv"), blocks("checkpoint_0.talus") + 8);
-  for (const char* file : {"checkpoint_0.talus", "history.csv"}) {
+  ASSERT_GT(blocks("checkpoint_0.h5"), blocks("particles_0000.hdf") + 8);
+  ASSERT_GT(blocks("history.csv"), blocks("checkpoint_0.h5") + 8);
+  for (const char* file : {"checkpoint_0.h5", "history.csv"}) {
     fs::remove_all(folder_ / "full");
     const bool has_begun = file == std::string("history.csv");
     const std::string limit = "trap '' XFSZ; ulimit -f " + std::to_string(blocks(file) - 8) + ";";
     const Finished full = run("full", "", limit);
     EXPECT_EQ(full.code, 3) << full.output;
     EXPECT_TRUE(has(full.output, std::string(file) + " cannot be written: File too large")) << full.output;
-    EXPECT_EQ(has(full.output, "go on with\n  "), has_begun) << full.output;
+    EXPECT_EQ(has(full.output, "esume with\n  "), has_begun) << full.output;
     const auto data = data_in(folder_ / "full");
     EXPECT_TRUE(std::none_of(data.begin(), data.end(), [](const auto& name) { return has(name, "unfinished"); }));
     EXPECT_EQ(run("full", "--resume", limit).code, 3);  // as long as it is full
@@ -386,7 +386,7 @@ TEST_F(Resume, ARunThatBreaksKeepsItsLastCheckpointAndSaysSo) {
   EXPECT_TRUE(has(broken.output, "The last checkpoint is " + in("out/checkpoint_"))) << broken.output;
   const Finished again = talus("run " + file + " --out " + in("out") + " --resume");
   EXPECT_EQ(again.code, 3);
-  EXPECT_TRUE(has(again.output, "goes on from")) << again.output;
+  EXPECT_TRUE(has(again.output, "resumes from")) << again.output;
   EXPECT_TRUE(has(again.output, "left the domain")) << again.output;
 }
 

@@ -14,24 +14,19 @@ import sys
 import h5py
 import numpy
 from PIL import Image
-from selenium import webdriver
 from selenium.webdriver import ActionChains, Keys
-from selenium.webdriver.chrome.options import Options
-from selenium.webdriver.chrome.service import Service
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select, WebDriverWait
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1]))
+from browser import chromium
 
 folder = pathlib.Path(sys.argv[1]).resolve()
 report = (folder / "report.html").as_uri()
 
 
 def browser(*more):
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1300,1000", *more):
-        options.add_argument(argument)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    return webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+    return chromium("--window-size=1300,1000", *more, logs={"browser": "ALL", "performance": "ALL"})
 
 
 def hold_vane_against_its_motion(points, time):
@@ -90,7 +85,7 @@ def use(page):
     assert (pixels("particles") != before).any(axis=2).sum() > 1000, "the particles fall"
 
     # Colour.
-    Select(element("range")).select_by_visible_text("least to most, this instant")
+    Select(element("range")).select_by_visible_text("min-max, current frame")
     before = pixels("particles")
     Select(element("quantity")).select_by_visible_text("stress zz")
     wait(lambda: state()["quantity"] == "stress zz")
@@ -251,6 +246,22 @@ def use_map(page):
         raise AssertionError(entry)
 
 
+def use_on_screens(page):
+    """On a laptop the particles and all their controls are in view; a telephone scrolls downwards only."""
+    for width, height in ((1440, 900), (390, 844)):
+        page.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                             {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500})
+        page.get(report)
+        WebDriverWait(page, 60).until(lambda _: page.execute_script("return window.talus && window.talus.state().ready"))
+        state = page.execute_script("return window.talus.state()")
+        assert state["frame"] == state["frames"] - 1, "it begins with the deposit"
+        assert page.execute_script("return document.documentElement.scrollWidth") <= width, width
+        assert page.execute_script("return document.getElementById('viewer').getBoundingClientRect().height") <= height
+        page.find_element(By.CSS_SELECTOR, ".profiles svg polyline")
+    names = [option.text for option in Select(page.find_element(By.ID, "quantity")).options]
+    assert "mean pressure p" in names and "p" not in names, names
+
+
 def use_without_webgl(page):
     page.get(report)
     assert page.find_element(By.ID, "without").is_displayed()
@@ -260,7 +271,8 @@ def use_without_webgl(page):
 
 
 webgl = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
-visits = [(use_map, webgl)] if (folder / "maps").exists() else [(use, webgl), (use_without_webgl, ("--disable-3d-apis",))]
+visits = [(use_map, webgl)] if (folder / "maps").exists() else [(use, webgl), (use_on_screens, webgl),
+                                                                  (use_without_webgl, ("--disable-3d-apis",))]
 for visit, arguments in visits:
     page = browser(*arguments)
     try:

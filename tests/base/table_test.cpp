@@ -29,6 +29,15 @@ TEST(Table, WhatIsNoNumberIsNaN) {
   EXPECT_EQ(t.column("none"), -1);
 }
 
+TEST(Table, FilesOfSpreadsheetsAreRead) {
+  // Excel begins UTF-8 with a byte-order mark; where the comma is the decimal sign, it separates columns by semicolons.
+  const NumberTable t = read_csv(written("\xef\xbb\xbftime;rate\r\n0;1,5\r\n0,25;-2e3\r\n"));
+  EXPECT_EQ(t.names, (std::vector<std::string>{"time", "rate"}));
+  EXPECT_EQ(t.rows, (std::vector<std::vector<double>>{{0, 1.5}, {0.25, -2000}}));
+  EXPECT_EQ(read_csv(written("x\ty\n1\t2.5\n")).rows[0][1], 2.5);
+  EXPECT_EQ(read_csv(written("\xef\xbb\xbfx,y\n1,2\n")).names[0], "x");
+}
+
 TEST(Table, FaultsSayWhere) {
   const auto message = [](auto f) -> std::string {
     try {

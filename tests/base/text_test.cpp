@@ -20,6 +20,14 @@ TEST(Text, SuggestsNothingForSomethingElseAltogether) {
   EXPECT_EQ(most_alike("x", {}), "");
 }
 
+TEST(Text, CharactersThatSteerATerminalOrTurnTheDirectionOfTextAreShownAsNumbers) {
+  EXPECT_EQ(printable("a\x1b[31mb\nc"), "a\\x1b[31mb\\nc");
+  EXPECT_EQ(printable("\xc2\x9b"), "\\x9b");
+  EXPECT_EQ(printable("safe\xe2\x80\xae txet\xe2\x81\xa6"), "safe\\u202e txet\\u2066");
+  EXPECT_EQ(printable("\xe2\x80\x93 \xd7\xa9\xd7\x9c\xd7\x95\xd7\x9d"), "\xe2\x80\x93 \xd7\xa9\xd7\x9c\xd7\x95\xd7\x9d")
+      << "a dash, and Hebrew";
+}
+
 TEST(Text, ListsWords) {
   EXPECT_EQ(any_of({"a"}), "`a`");
   EXPECT_EQ(any_of({"a", "b"}), "`a` or `b`");

@@ -137,9 +137,9 @@ Case cylinder_3d() {
   c.walls[4] = wall_of_domain(WallKind::rough);
   c.materials = {grains()};
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("35 mm"), m("175 mm")}, "1.33333333333333333 mm")};
-  c.bodies[0].lattice = Lattice::corner;
-  c.end = 0.5;
-  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.5 s"});
+  c.bodies[0].lattice = Lattice::blue_noise;
+  c.end = 0.6;
+  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.6 s"});
   return c;
 }
 
@@ -147,7 +147,6 @@ Case cylinder_3d_coarse() {
   Case c = cylinder_3d();
   c.title = "A cylinder of grains collapses, coarse";
   c.bodies[0].spacing = m("2.6666666666666667 mm");
-  c.bodies[0].lattice = Lattice::cells;
   return c;
 }
 
@@ -155,6 +154,7 @@ Case cylinder_3d_wide() {
   Case c = cylinder_3d();
   c.title = "A cylinder of grains collapses, read as 140 mm in diameter";
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("70 mm"), m("175 mm")}, "2 mm")};
+  c.bodies[0].lattice = Lattice::blue_noise;
   return c;
 }
 
@@ -280,7 +280,51 @@ Case landslide() {
   return c;
 }
 
+MohrCoulomb drained(const std::string& E, const std::string& phi, const std::string& cohesion) {
+  MohrCoulomb law{};
+  law.E = pa(E);
+  law.nu = 0.3;
+  law.c = pa(cohesion);
+  law.phi = rad(phi);
+  return law;
+}
+
+Case slope() {
+  Case c = in_domain("A steep cut slope fails and runs out onto the road below", 2,
+                     {place("0 m", "0 m"), place("50 m", "12 m")}, "0.5 m");
+  c.walls[0] = wall_of_domain(WallKind::slip);
+  c.walls[2] = wall_of_domain(WallKind::friction, 0.47);
+  c.materials = {{"soil", drained("20 MPa", "25 deg", "5 kPa"), 1900}};
+  c.bodies = {body("slope", Polygon{{{0, 0}, {22, 0}, {12, 10}, {0, 10}}, 0, 0}, "0.25 m")};
+  c.bodies[0].initial_stress = InitialStress::k0;
+  c.end = 20;
+  c.stop_below = 0.002;
+  set_output(c, "0.1 s", "50 ms", {"0 s", "1 s", "2 s", "3 s", "4 s", "6 s"});
+  c.output.front_thickness = 0.5;
+  return c;
+}
+
+Case obstacle() {
+  Case c = in_domain("A debris flow runs down a slope against a barrier", 2,
+                     {place("0 m", "0 m"), place("60 m", "8 m")}, "0.25 m");
+  c.gravity = {4.905, -8.496, 0};
+  c.walls[0] = wall_of_domain(WallKind::slip);
+  c.walls[1] = wall_of_domain(WallKind::outflow);
+  c.walls[2] = wall_of_domain(WallKind::friction, 0.36);
+  c.materials = {{"debris", drained("5 MPa", "35 deg", "0 Pa"), 1700}};
+  c.bodies = {body("release", Box{place("0 m", "0 m"), place("15 m", "2 m")}, "0.125 m")};
+  c.solids = {{"barrier", Box{place("50 m", "-1 m"), place("51 m", "3 m")}, Wall(WallKind::friction, 0.36, true)}};
+  c.end = 20;
+  c.stop_below = 0.002;
+  set_output(c, "0.1 s", "20 ms", {"0 s", "2 s", "4 s", "5 s", "6 s", "8 s"});
+  c.output.front_thickness = 0.25;
+  c.output.peak_force_time = s("50 ms");
+  return c;
+}
+
 const std::map<std::string, std::function<Case()>> cases_in_cpp = {
+    {"slope", slope},
+    {"obstacle", obstacle},
     {"landslide", landslide},
     {"slump_2d", slump_2d},
     {"slump_2d_as_printed", slump_2d_as_printed},
@@ -501,7 +545,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
   expect_mistake([](Case& c) { c.bodies[0].void_ratio = 0.4; }, "denser than random close packing");
   expect_mistake([](Case& c) { c.gravity = {0, 9.81, 0}; }, "k0 needs gravity, downwards");
   expect_mistake([](Case& c) { c.walls[2] = WallKind::periodic; },
-                 "domain.walls.y_min must have its like on the other side: `y_max` is not periodic");
+                 "domain.walls.y_min needs the opposite side `y_max` to be periodic too");
   expect_mistake([](Case& c) { c.axisymmetric = true; }, "domain.min must not be below 0 along x");
   expect_mistake([](Case& c) { c.numerics.f_bar = true; }, "numerics.average_pressure must be false with `f_bar`");
   expect_mistake(
@@ -512,7 +556,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
       [](Case& c) {
         c.materials.push_back({"water", NewtonianFluid{1e6, 0}, 1000});
       },
-      "domain.walls.y_min.kind cannot be rough: the law of `water` has no critical friction");
+      "domain.walls.y_min.kind `rough` needs a law with a critical friction angle; material `water` has none");
   expect_mistake(
       [](Case& c) {
         c.materials.push_back(c.materials[0]);

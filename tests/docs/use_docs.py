@@ -15,6 +15,7 @@ with `...` for what may be anything. A comment above a block changes this:
     <!-- shortened: THIS -> THAT -->   another word in the commands, for the same reason
     <!-- exits with 2 -->             the last command does, instead of with 0
     <!-- file: NAME -->               the block is written into this file
+    <!-- needs: python -->            only where the Python package is built: build/python
 """
 
 import concurrent.futures
@@ -37,7 +38,7 @@ def pages():
 def directives(comments):
     found = {"shortened:": []}
     for text in re.findall(r"<!--\s*(.*?)\s*-->", comments):
-        name = next((n for n in ("not run:", "run with:", "shortened:", "exits with", "file:") if text.startswith(n)), None)
+        name = next((n for n in ("not run:", "run with:", "shortened:", "exits with", "file:", "needs:") if text.startswith(n)), None)
         if name is None:
             raise ValueError(f"<!-- {text} --> is no word to the tests")
         told = text[len(name):].strip()
@@ -75,6 +76,7 @@ def run_page(page, talus):
         os.symlink(talus.parent, pathlib.Path(folder) / "build")
         environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
         environment["PATH"] = f"{talus.parent}:{environment['PATH']}"
+        environment["PYTHONPATH"] = str(talus.parent / "python")
 
         def call(command, code):
             done = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
@@ -92,7 +94,7 @@ def run_page(page, talus):
             try:
                 said, language, code = directives(block[1]), block[2], block[3]
                 expected_code = int(said.get("exits with", 0))
-                if "not run:" in said:
+                if "not run:" in said or ("needs:" in said and not (talus.parent / said["needs:"]).exists()):
                     continue
                 if "file:" in said:
                     (pathlib.Path(folder) / said["file:"]).write_text(code)
@@ -100,7 +102,7 @@ def run_page(page, talus):
                 if language == "sh":
                     call(["bash", "-e", "-c", shortened(code, said)], expected_code)
                 elif language == "python":
-                    call(["/usr/bin/python3", "-c", code], expected_code)
+                    call(["/usr/bin/python3", "-c", shortened(code, said)], expected_code)
                 elif language == "console":
                     parts = re.split(r"^\$ (.*)\n", shortened(code, said), flags=re.M)
                     for i in range(1, len(parts), 2):
@@ -173,18 +175,14 @@ def site(talus):
 
 def faults_of_search(folder):
     """Searches a page read from the disk, as a reader does."""
-    from selenium import webdriver
-    from selenium.webdriver.chrome.options import Options
-    from selenium.webdriver.chrome.service import Service
     from selenium.webdriver.common.by import By
     from selenium.webdriver.support.ui import WebDriverWait
     from selenium.common.exceptions import TimeoutException
 
-    options = Options()
-    options.binary_location = "/usr/bin/chromium"
-    for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--window-size=1400,1000"):
-        options.add_argument(argument)
-    driver = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+    sys.path.insert(0, str(root / "tests"))
+    from browser import chromium
+
+    driver = chromium("--window-size=1400,1000")
     try:
         driver.get((folder / "howto/own_column.html").as_uri())
         query = driver.find_element(By.CSS_SELECTOR, "[data-md-component=search-query]")

@@ -151,6 +151,23 @@ TEST(Driver, CollisionalStressAtTheStartStaysAsLongAsNothingIsAccelerated) {
   EXPECT_THROW(run(shear, grains, state), InputError);  // the total form has no memory
 }
 
+TEST(Driver, RowsAreCountedInWhichCollisionsReturnWork) {
+  // mu < 0.5718 < 1/sqrt 3: D.D returns work all along axisymmetric extension and never in compression
+  const std::string grains =
+      "law = \"granular\"" + sand.substr(sand.find('\n')) +
+      "I_0 = 0.28\nrho_s = \"1090 kg/m3\"\nd = \"1 mm\"\nmu_s = 0.4245\nmu_d = 0.5718\nPhi_c = 0.62\n"
+      "dPhi = 0.29\n";
+  const auto n_returning = [&](const std::string& option, const char* strain) {
+    return run(std::string("[[segment]]\ntest = \"triaxial\"\ndrainage = \"undrained\"\nrows = 4\naxial_strain = ") +
+                   strain + "\n",
+               grains + option, sand_state)
+        .n_returning;
+  };
+  EXPECT_EQ(n_returning("", "-0.01"), 5);
+  EXPECT_EQ(n_returning("", "0.01"), 0);
+  EXPECT_EQ(n_returning("dispersive = \"isotropic\"\n", "-0.01"), 0);
+}
+
 TEST(Driver, AnImpossibleInitialStateIsRefused) {
   EXPECT_THROW(run("[[segment]]\ntest = \"oedometer\"\naxial_strain = 0.001\n", sand,
                    "stress = { xx = \"500 kPa\", yy = \"50 kPa\", zz = \"50 kPa\" }\nvoid_ratio = 0.8\n"),

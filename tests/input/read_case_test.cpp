@@ -290,7 +290,7 @@ TEST(ReadCase, TauHasNoDefaultWithoutGravity) {
   std::string text = slump("gravity = [\"0 m/s2\", \"-9.81 m/s2\"]", "gravity = [\"0 m/s2\", \"0 m/s2\"]");
   text.replace(text.find("initial_stress = \"k0\""), 21, "initial_stress = \"zero\"");
   EXPECT_NE(complaints(text).find("`tau` is missing"), std::string::npos);
-  EXPECT_NE(complaints(text).find("transfer = \"apic\" for bodies that turn"), std::string::npos) << complaints(text);
+  EXPECT_NE(complaints(text).find("transfer = \"apic\" for bodies that rotate"), std::string::npos) << complaints(text);
 }
 
 TEST(ReadCase, DefaultsAreSpeltOutWithTheirReason) {
@@ -346,10 +346,10 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect(
       "\"rough\"\n[material.water]\nlaw = \"newtonian_fluid\"\nK = \"1 MPa\"\neta = \"0 Pa s\"\ndensity = \"1000 "
       "kg/m3\"",
-      "cannot be rough: the law of `water` has no critical friction");
-  expect("\"periodic\"", "must have its like on the other side: `y_max` is not periodic");
+      "`rough` needs a law with a critical friction angle; material `water` has none");
+  expect("\"periodic\"", "needs the opposite side `y_max` to be periodic too");
   expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
-         "must have its like on the other side: `x_max` is not periodic");
+         "needs the opposite side `x_max` to be periodic too");
   expect("{ friction = 0.3 }", "`kind` is missing");
   expect("\"symmetry\"", "cannot be a plane of symmetry: gravity goes through it");
 }

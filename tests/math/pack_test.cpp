@@ -7,6 +7,8 @@
 #include <limits>
 #include <vector>
 
+#include "talus/math/lanes.hpp"
+
 namespace talus::pack_test {
 
 /// a, a + step, a + 2 step, ...
@@ -45,12 +47,32 @@ TEST(Pack, LoadsAndStoresTouchNothingBehindTheLastNumber) {
 }
 
 TEST(Pack, SumsAndMaximaSeeEveryLane) {
-  EXPECT_EQ(sum_of(counting(1)), 36);
+  EXPECT_EQ(sum_of(counting(1)), pack_width * (pack_width + 1) / 2);
   EXPECT_EQ(sum_of(counting(1), 3), 6);
   for (int lane = 0; lane < pack_width; ++lane) {
     Pack p(-1.0);
     p.set(lane, 5);
     EXPECT_EQ(largest_of(p), 5);
+  }
+}
+
+TEST(LaneSum, AddsPacksOfAnyWidthAsOctetsOneAfterTheOther) {
+  // 1/3, 2/3, 3/3, ...: sums depend on their order.
+  LaneSum<Pack> packs;
+  Octet octets(0.0);
+  for (int i = 0; i < 4 * 16; i += pack_width) packs += counting(i / 3.0, 1 / 3.0);
+  std::vector<double> numbers;
+  for (int i = 0; i < 4 * 16; i += pack_width)
+    for (int lane = 0; lane < pack_width; ++lane) numbers.push_back(counting(i / 3.0, 1 / 3.0)[lane]);
+  for (int i = 0; i < 4 * 16; i += Octet::width) octets += load<Octet>(&numbers[std::size_t(i)]);
+  EXPECT_EQ(sum_of(packs), sum_of(octets));
+}
+
+TEST(Octet, HasTwoQuads) {
+  const Octet o = counting<Octet>(1);
+  for (int lane = 0; lane < 4; ++lane) {
+    EXPECT_EQ(Quad(low_half(o.lanes))[lane], 1 + lane);
+    EXPECT_EQ(Quad(high_half(o.lanes))[lane], 5 + lane);
   }
 }
 

@@ -13,7 +13,7 @@ TEST(Arrangement, OccupiedTilesComeFirstAndHaveTheirParticles) {
   auto& m = small.model;
   arrange(m);
   ASSERT_EQ(m.grid.n_occupied(), 3);
-  const Index<2> places[3] = {{0, 0}, {2, 0}, {2, 2}};
+  const Index<2> places[3] = {{0, 0}, {2, 2}, {2, 0}};
   const int sizes[3] = {2, 1, 1};
   for (int t = 0; t < m.grid.n_tiles(); ++t) {
     EXPECT_EQ(m.grid.tile(t).occupied, t < 3);

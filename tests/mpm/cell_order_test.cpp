@@ -18,17 +18,55 @@ std::vector<double> ids(const Body<2>& body) {
   return {body.particles.id(), body.particles.id() + body.particles.size()};
 }
 
-TEST(CellOrder, TheLastAxisIsSlowest) {
-  EXPECT_TRUE((is_earlier<2>({5, 0}, {0, 1})));
-  EXPECT_TRUE((is_earlier<2>({0, 1}, {5, 1})));
-  EXPECT_FALSE((is_earlier<2>({5, 1}, {5, 1})));
+/// The tiles of a square or cube whose edge is a power of two, in their order.
+template <int Dim>
+std::vector<Index<Dim>> along_the_curve(int edge, int first) {
+  OccupiedTiles<Dim> tiles;
+  const int n = power(edge, Dim);
+  for (int i = 0; i < n; ++i) {
+    Index<Dim> place;
+    for (int a = 0, rest = i; a < Dim; ++a, rest /= edge) place[a] = first + rest % edge;
+    tiles.add(place, 1);
+  }
+  tiles.sort();
+  for (int i = 0; i < n; ++i) EXPECT_EQ(tiles.find(tiles.places[std::size_t(i)]), i);
+  return tiles.places;
+}
+template <int Dim>
+void expect_steps_of_one_tile(const std::vector<Index<Dim>>& places) {
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    int distance = 0;
+    for (int a = 0; a < Dim; ++a) distance += std::abs(places[i][a] - places[i - 1][a]);
+    ASSERT_EQ(distance, 1) << i;
+  }
+}
+
+TEST(CellOrder, TilesThatFollowOneAnotherShareASide) {
+  expect_steps_of_one_tile<2>(along_the_curve<2>(16, 0));
+  expect_steps_of_one_tile<3>(along_the_curve<3>(8, 0));
+}
+
+TEST(CellOrder, AnyStretchOfTilesIsCompact) {
+  // A quarter of a square is a square; a slab along one axis would be 16 x 4.
+  const auto places = along_the_curve<2>(16, 0);
+  for (std::size_t quarter = 0; quarter < 4; ++quarter)
+    for (int a = 0; a < 2; ++a) {
+      int low = 16, high = -1;
+      for (std::size_t i = 64 * quarter; i < 64 * (quarter + 1); ++i) {
+        low = std::min(low, places[i][std::size_t(a)]);
+        high = std::max(high, places[i][std::size_t(a)]);
+      }
+      EXPECT_EQ(high - low, 7);
+    }
 }
 
 TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
-  const auto bodies = bodies_at({{{5, 5}, {0.5, 0.5}, {5.5, 5.5}}, {{5, 0.5}, {-0.5, 0.5}, {5, 5}}});
+  auto bodies = bodies_at({{{5, 5}, {0.5, 0.5}, {5.5, 5.5}}, {{5, 0.5}, {-0.5, 0.5}, {5, 5}}});
+  bodies[0].cost = 10;
+  bodies[1].cost = 3;
   const auto tiles = occupied_tiles(bodies, unit_cells<2>(8));
   EXPECT_EQ(tiles.places, (std::vector<Index<2>>{{-1, 0}, {0, 0}, {1, 0}, {1, 1}}));
-  EXPECT_EQ(tiles.n_particles, (std::vector<long>{1, 1, 1, 3}));
+  EXPECT_EQ(tiles.work, (std::vector<long>{3, 10, 3, 23})) << "particles of a body weigh as much as they cost";
   EXPECT_EQ(tiles.find({1, 0}), 2);
 }
 

@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+#include <random>
+
 #include "backend/split_backend.hpp"
 #include "mpm/by_hand.hpp"
 
@@ -154,10 +157,33 @@ TEST(Reduce, AddsInTheOrderOfTilesWhoeverOwnsThem) {
       tiles[std::size_t(t)].owned = (t == 1) == (backend.owner() == 1);
       if (!tiles[std::size_t(t)].owned) parts[std::size_t(t)] = sums_of(rubbish);
     }
-    const TileSums total = reduce(backend, Halo{{0, 1, 2}, {}, {}}, tiles.data(), parts);
+    const TileSums total = reduce(backend, Halo{3, {0, 1, 2}, {}, {}}, tiles.data(), parts);
     EXPECT_EQ(total[Sum::mass], 0);
     EXPECT_EQ(total[Most::viscosity], 1e16);
   });
+}
+
+TEST(Reduce, AnOwnerOfAWholeBlockHandsOutOneSumAndTheTotalHasTheBitsOfOneOwner) {
+  constexpr int n = 300;  // four blocks of 64 tiles, and a last one of 44
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> some(-1, 1);
+  std::vector<TileSums> in_run(n);
+  for (TileSums& sums : in_run)
+    for (double& x : sums.sums) x = random() % 3 ? some(random) : 0;
+  const TileSums one = reduce<2>(*make_serial(), {}, nullptr, in_run);
+  std::vector<long> number(n);
+  std::iota(number.begin(), number.end(), 0L);
+  std::vector<std::size_t> rows(3);
+  run_as_owners(3, [&](SplitBackend& backend) {
+    // Cut in the second block and at the end of the third.
+    std::vector<Tile<2>> tiles(n);
+    for (int t = 0; t < n; ++t) tiles[std::size_t(t)].owned = (t < 100 ? 0 : t < 192 ? 1 : 2) == backend.owner();
+    const TileSums total = reduce(backend, Halo{n, number, {}, {}}, tiles.data(), in_run);
+    EXPECT_EQ(total.sums, one.sums);
+    const Message& sent = backend.own_part();
+    for (std::size_t i = 0; i < sent.size(); i += RowOfSums{&sent[i]}.size()) ++rows[std::size_t(backend.owner())];
+  });
+  EXPECT_EQ(rows, (std::vector<std::size_t>{1 + 36, 28 + 1, 2}));
 }
 
 }  // namespace talus::halo_test

@@ -72,6 +72,7 @@ TEST(Ledger, AStressesWorkIsStoredHeatOrCollisionalAndTheNodesLackIt) {
   tiles[Sum::internal_work] = 4;
   tiles[Sum::plastic_work] = 2;
   tiles[Sum::collisional_work] = 0.75;
+  tiles[Sum::returned_work] = 0.0625;
   tiles[Sum::averaging] = 0.25;
   tiles[Sum::viscous_work] = 0.125;
   tiles[Sum::separated] = 3;
@@ -82,6 +83,7 @@ TEST(Ledger, AStressesWorkIsStoredHeatOrCollisionalAndTheNodesLackIt) {
   EXPECT_EQ(l.elastic, 6) << "what is stored now";
   EXPECT_EQ(l.plastic, 4) << "the rest since the start";
   EXPECT_EQ(l.collisional, 1.5);
+  EXPECT_EQ(l.returned, 0.125) << "collisional work has it already";
   EXPECT_EQ(l.averaging, 0.5);
   EXPECT_EQ(l.viscous, 0.25);
   EXPECT_EQ(l.numerical, -8.25);

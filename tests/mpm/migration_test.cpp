@@ -29,7 +29,7 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
     }
     const auto all = gather(backend, occupied_tiles(bodies, domain));
     EXPECT_EQ(all.places, (std::vector<Index<2>>{{0, 0}, {1, 0}}));
-    EXPECT_EQ(all.n_particles, (std::vector<long>{3, 3})) << "of all owners and bodies";
+    EXPECT_EQ(all.work, (std::vector<long>{3 * bodies[0].cost, 3 * bodies[0].cost})) << "of all owners and bodies";
     move_to_owners(backend, bodies, domain, all, {0, 1});
     const Particles<2>& p = bodies[0].particles;
     const std::vector<double> ids(p.id(), p.id() + p.size());

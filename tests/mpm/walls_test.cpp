@@ -47,9 +47,7 @@ struct Corner {
 /// The velocity of a point among nodes.
 template <class Shape>
 Vec<3> velocity_at(const Vec<2>& x, WindowOf<2, Shape, MassVelocity>& nodes) {
-  Quad v, same;
-  interpolate(WeightsAt<2, Shape>(x).weights(), nodes.data(), nodes.data(), v, same);
-  return vector_of(v);
+  return vector_of(interpolate(WeightsAt<2, Shape>(x).weights(), nodes.data()));
 }
 
 template <class Shape>

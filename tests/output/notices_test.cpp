@@ -23,8 +23,8 @@ bool one_begins(const std::vector<std::string>& all, const std::string& with) {
 TEST(Warnings, NothingIsSaidOfARunThatLosesALittle) { EXPECT_TRUE(warnings(0.1, 0.1).empty()); }
 
 TEST(Warnings, MuchNumericalDissipationIsToldAndSoIsEnergyThatTheMethodWins) {
-  EXPECT_TRUE(one_begins(warnings(0.2, 0.1), "Numerical dissipation took 30 %"));
-  EXPECT_TRUE(one_begins(warnings(-0.05, 0.02), "The method won 3.0 %"));
+  EXPECT_TRUE(one_begins(warnings(0.2, 0.1), "Numerical dissipation is 30 %"));
+  EXPECT_TRUE(one_begins(warnings(-0.05, 0.02), "The method created 3.0 %"));
   EXPECT_TRUE(warnings(-0.009, 0).empty());
 }
 
@@ -35,10 +35,19 @@ TEST(Warnings, PressureThatIsMostlyNoiseIsTold) {
   EXPECT_TRUE(warnings_of(case_, run).empty());
   run.noise = NoiseShares{0.8, 1.7};
   ASSERT_EQ(warnings_of(case_, run).size(), 1);
-  EXPECT_NE(warnings_of(case_, run)[0].find("80 % of its mean from instant to instant, 170 %"), std::string::npos);
-  EXPECT_NE(warnings_of(case_, run)[0].find("More particles a cell"), std::string::npos);
+  EXPECT_NE(warnings_of(case_, run)[0].find("fluctuates by 80 % of its mean in time and by 170 %"), std::string::npos);
+  EXPECT_NE(warnings_of(case_, run)[0].find("Use more particles per cell"), std::string::npos);
   case_.numerics.bulk_viscosity = 0;
-  EXPECT_NE(warnings_of(case_, run)[0].find("`bulk_viscosity` of 0.4"), std::string::npos);
+  EXPECT_NE(warnings_of(case_, run)[0].find("bulk_viscosity = 0.4"), std::string::npos);
+}
+
+TEST(Warnings, WorkThatCollisionsReturnIsTold) {
+  RunSummary run;
+  run.ledger.turnover = run.ledger.initial = run.ledger.plastic = 1;
+  run.ledger.returned = 0.009;
+  EXPECT_TRUE(warnings_of(Case(), run).empty());
+  run.ledger.returned = 0.034;
+  EXPECT_TRUE(one_begins(warnings_of(Case(), run), "Collisions returned 3.4 % of the energy released"));
 }
 
 TEST(Warnings, OfGroundThatHasRestedNoSharesAreTold) {
@@ -71,7 +80,7 @@ TEST(Warnings, GrainsThatHaveJustBegunToFallAreApartAsTheyShouldBe) {
   EXPECT_TRUE(warnings_of(case_, run).empty());
   run.ledger.kinetic = 0;
   run.ledger.plastic = 1e-3;
-  EXPECT_TRUE(one_begins(warnings_of(case_, run), "100 % of the particles are separated"));
+  EXPECT_TRUE(one_begins(warnings_of(case_, run), "100 % of the particles carry no stress"));
 }
 
 TEST(Warnings, AMaterialThatStillMovesIsTold) {

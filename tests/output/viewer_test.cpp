@@ -55,13 +55,12 @@ TEST_F(Viewer, WhatDoesNotFitIsLeftOutInstantsFirstAndThePageSaysSo) {
   EXPECT_EQ(fewer_instants["frames"].front()["time"], 0);
   EXPECT_EQ(fewer_instants["frames"].back()["time"], 0.1 * 19);
   EXPECT_EQ(fewer_instants["frames"][0]["n"], 1000);
-  EXPECT_NE(fewer_instants["notes"].get<std::string>().find(std::to_string(n) + " of the run's 20 snapshots"),
-            std::string::npos);
+  EXPECT_NE(fewer_instants["notes"].get<std::string>().find(std::to_string(n) + " of 20 snapshots"), std::string::npos);
 
   const auto fewer_particles = scene(viewer(box_, snapshots_, 40'000));
   EXPECT_EQ(fewer_particles["frames"].size(), std::size_t(fewest_instants));
   EXPECT_LE(fewer_particles["frames"][0]["n"], 500);
-  EXPECT_NE(fewer_particles["notes"].get<std::string>().find("Of the particles"), std::string::npos);
+  EXPECT_NE(fewer_particles["notes"].get<std::string>().find("one particle in"), std::string::npos);
 }
 
 TEST_F(Viewer, AScaleIsToldByItsEndsAndPercentiles) {

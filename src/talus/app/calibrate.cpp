@@ -8,6 +8,7 @@
 #include "talus/app/commands.hpp"
 #include "talus/app/interrupt.hpp"
 #include "talus/app/progress.hpp"
+#include "talus/app/threads.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/file.hpp"
@@ -30,7 +31,7 @@ void expect_room(const fs::path& folder, const CalibrateOptions& options) {
   if (options.overwrite || options.resume) return;
   if (fs::exists(folder / "state.json"))
     throw InputError(
-        fmt::format("{} holds a calibration already; go on with it: --resume; begin anew: --overwrite; or give "
+        fmt::format("{} holds a calibration already; resume it with --resume, start again with --overwrite, or use "
                     "another folder with --out",
                     folder.string()));
   if (fs::exists(folder / "index.html") || fs::exists(folder / "case.toml"))
@@ -61,7 +62,7 @@ int calibrate_law(const CalibrateOptions& options) {
   const fs::path state_file = folder / "state.json";
   CalibrationState state;
   if (options.resume && fs::exists(state_file)) state = read_state(state_file, calibration.fingerprint);
-  const auto loop = make_openmp(options.threads);
+  const auto loop = make_openmp(usable_threads(options.threads, options.force_threads));
   print_plan(calibration, loop->n_workers());
 
   const Interrupt interrupt;

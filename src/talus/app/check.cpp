@@ -6,13 +6,17 @@
 #include <filesystem>
 
 #include "talus/app/commands.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/app/progress.hpp"
 #include "talus/app/rehearsal.hpp"
 #include "talus/app/task.hpp"
+#include "talus/app/threads.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/mpm/start/plausibility.hpp"
 #include "talus/output/history.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/outline.hpp"
@@ -101,6 +105,7 @@ OutputTimes measure_output(const Case& case_, Simulation& simulation) {
 void print_notices(const Case& case_) {
   for (const std::string& notice : {notice_of_stiffness(case_.numerics), notice_of_preset(case_)})
     if (!notice.empty()) fmt::print("\nwarning: {}\n", notice);
+  for (const std::string& doubt : doubts_about(case_)) fmt::print("\nwarning: {}\n", doubt);
   if (const std::string notice = notice_of_symmetry(case_); !notice.empty()) fmt::print("\n  {}\n", notice);
 }
 
@@ -120,6 +125,20 @@ double measure_step(const Case& case_, Simulation& simulation) {
   return clock.seconds() / double(std::max(1L, simulation.ledger().step));
 }
 
+/// What each process holds, and what it has sent since `before` in every step. Nothing of a single process.
+void print_loads(const Simulation& simulation, const std::vector<Processes::Load>& before) {
+  const std::vector<Processes::Load> loads = processes().loads(simulation);
+  if (loads.empty()) return;
+  fmt::print("  process   particles   tiles   neighbours   messages a step   kB a step\n");
+  const double steps = double(std::max(1L, simulation.ledger().step));
+  for (std::size_t o = 0; o < loads.size(); ++o) {
+    const auto& [share, traffic] = loads[o];
+    fmt::print("  {:7}   {:9}   {:5}   {:10}   {:15.1f}   {:9.1f}\n", o, share.n_particles, share.n_tiles,
+               share.n_neighbours, double(traffic.n_messages - before[o].traffic.n_messages) / steps,
+               1e-3 * double(traffic.n_bytes - before[o].traffic.n_bytes) / steps);
+  }
+}
+
 /// How many steps a run will make, and how that was found.
 struct ExpectedSteps {
   double n;
@@ -128,12 +147,12 @@ struct ExpectedSteps {
 ExpectedSteps expect_steps(const Case& case_, Backend& loop, double first_dt, double per_step) {
   if (case_.numerics.dt) {
     const double n = case_.end / *case_.numerics.dt;
-    return {n, fmt::format("{:.0f}, as the case fixes their length", n)};
+    return {n, fmt::format("{:.0f}, of fixed length", n)};
   }
   const Rehearsal rehearsal = rehearse(case_, loop, case_.end / first_dt * per_step, 1);
   return {rehearsal.steps,
-          fmt::format("about {:.3g}, by a run on cells {} until {:.3g} s", rehearsal.steps,
-                      rehearsal.coarser == 1 ? "of this size" : fmt::format("{} times coarser", rehearsal.coarser),
+          fmt::format("about {:.3g} (extrapolated from a trial run{} to t = {:.3g} s)", rehearsal.steps,
+                      rehearsal.coarser == 1 ? "" : fmt::format(" on cells {} times coarser", rehearsal.coarser),
                       rehearsal.until)};
 }
 
@@ -150,34 +169,41 @@ void print_map(const Case& case_, const std::string& case_file) {
 
 }  // namespace
 
-int check_case(const std::string& case_file, int threads) {
-  const CaseFile input = read_case(case_file);
+int check_case(const CheckOptions& options) {
+  const std::string& case_file = options.case_file;
+  const std::vector<Override> overrides = read_overrides(options.set);
+  const CaseFile input = read_case(case_file, overrides);
   const Case& case_ = input.case_;
-  fmt::print("{} is understood as\n", case_file);
+  fmt::print("{}: settings\n", case_file);
   print_understood(input.understood);
   print_notices(case_);
 
   expect_memory_for(case_);
-  const auto loop = make_openmp(threads);
-  auto simulation = make_simulation(case_, *loop);
+  const int threads = usable_threads(options.threads, options.force_threads);
+  const auto loop = processes().make_backend(threads);
+  auto simulation = processes().make_simulation(case_, case_file,
+                                                with_overrides(case_file, contents_of(case_file), overrides), *loop);
   const double first_dt = simulation->next_dt(), n_particles = double(simulation->n_particles());
   print_sizes(case_, *simulation);
+  const std::vector<Processes::Load> before = processes().loads(*simulation);
   const double per_step = measure_step(case_, *simulation);
+  print_loads(*simulation, before);
   const std::size_t bytes = simulation->bytes();
   const OutputTimes output = measure_output(case_, *simulation);
   const long tried = simulation->ledger().step;
-  ExpectedSteps steps{double(tried), fmt::format("{}, found by running it to its end", tried)};
+  ExpectedSteps steps{double(tried), fmt::format("{}, counted in a run to the end", tried)};
   if (simulation->ledger().time < case_.end) {
     simulation.reset();  // makes room for another one
-    steps = expect_steps(case_, *loop, first_dt, per_step);
+    steps = expect_steps(case_, *make_openmp(threads), first_dt, per_step);
   }
   const auto instants = [&](double interval) { return std::min(steps.n, case_.end / interval) + 1; };
   const double duration = steps.n * per_step + instants(*case_.output.history) * output.row +
                           instants(*case_.output.snapshots) * output.snapshot + output.end;
   fmt::print(
       "  expected steps      {}\n  memory              {:.3g} MB\n  speed here          {:.3g} M "
-      "particle-steps/s on {} thread{}\n  expected duration   {}\n",
-      steps.how, 1e-6 * double(bytes), 1e-6 * n_particles / per_step, loop->n_workers(),
+      "particle-steps/s on {}{} thread{}\n  expected duration   {}\n",
+      steps.how, 1e-6 * double(bytes), 1e-6 * n_particles / per_step,
+      processes().n() > 1 ? fmt::format("{} processes of ", processes().n()) : "", loop->n_workers(),
       loop->n_workers() == 1 ? "" : "s", duration_in_words(duration));
   if (case_.map) print_map(case_, case_file);
   return 0;

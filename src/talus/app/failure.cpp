@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "talus/app/interrupt.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/app/progress.hpp"
-#include "talus/mpm/simulation.hpp"
 
 namespace talus {
 
@@ -25,15 +25,16 @@ std::string repeat_break(Simulation& simulation, const Failure& failure) {
     }
   } catch (const RunError&) {
     const bool new_to_the_user = failure.text.find(before) == failure.text.npos;
-    return new_to_the_user ? "Before that step it was\n" + before : "";
+    return new_to_the_user ? "Before that step:\n" + before : "";
   }
-  return "On a second run through these steps it did not break, though the same steps give the same bits: suspect the "
-         "machine (memory, overclocking).\n";
+  return "A second run of these steps did not fail, although results are bit-identical: the machine may be faulty "
+         "(memory, overclocking).\n";
 }
 
 /// Steps until a few steps before the break, or until a signal. Returns whether it came that far.
 bool approach_break(Simulation& simulation, const Failure& failure) {
-  fmt::print(stderr, "broke at t = {:.6g} s; goes over the last {} steps again, to leave a checkpoint just before\n",
+  fmt::print(stderr,
+             "failed at t = {:.6g} s; repeats the last {} steps to write a checkpoint just before the failure\n",
              failure.time, failure.step - simulation.ledger().step);
   Progress progress(failure.time, simulation.ledger());
   const Interrupt interrupt;
@@ -69,11 +70,11 @@ void write_run(const fs::path& folder, const Task& task, const Case& case_, cons
 std::string write_reproducer(const Task& task, const Case& case_, Backend& loop, int threads, const Failure& failure) {
   std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
   if (!saved) return "";
-  const auto simulation = make_simulation(case_, loop);
+  const auto simulation = processes().make_simulation(case_, task.case_file, task.case_text, loop);
   saved->restore(*simulation);
   saved->state.clear();  // as large as the particles
   if (failure.step - saved->so_far.step <= steps_before)
-    return fmt::format("{}To see it break again\n  {}", repeat_break(*simulation, failure),
+    return fmt::format("{}To repeat the failure\n  {}", repeat_break(*simulation, failure),
                        command_to_resume(task, task.folder, threads));
 
   const fs::path folder = task.folder / "failure";
@@ -81,10 +82,10 @@ std::string write_reproducer(const Task& task, const Case& case_, Backend& loop,
   write_run(folder, task, case_, *simulation, is_near);
   const Ledger& at = simulation->ledger();
   if (!is_near)
-    return fmt::format("To see it break again, from t = {:.6g} s on\n  {}", at.time,
+    return fmt::format("To repeat the failure, from t = {:.6g} s on\n  {}", at.time,
                        command_to_resume(task, folder, threads));
   const long steps = failure.step - at.step + 1;
-  return fmt::format("{}To see it break again, with a snapshot of each of its last {} steps\n  {}",
+  return fmt::format("{}To repeat the failure, with a snapshot of each of the last {} steps\n  {}",
                      repeat_break(*simulation, failure), steps, command_to_resume(task, folder, threads));
 }
 

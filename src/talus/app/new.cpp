@@ -97,7 +97,7 @@ std::string commented(const Template& t) {
     }
     text += line + "\n";
   }
-  text += "\n# What is left out above, and what talus takes for it:\n";
+  text += "\n# Keys that are left out above, with their defaults:\n";
   for (const Understood& u : all)
     if (u.by_default)
       text += fmt::format("#   {:<{}}  {}\n", u.path + " = " + printable(u.value), column - 4, u.meaning);
@@ -129,8 +129,9 @@ int print_template(const std::string& name) {
     names.push_back(t.name);
   }
   const std::string_view alike = most_alike(name, names);
-  throw InputError(fmt::format("there is no template `{}`; {}", printable(name),
-                               alike.empty() ? "there is " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
+  throw InputError(
+      fmt::format("`{}` is not a case of talus; {}", printable(name),
+                  alike.empty() ? "cases are " + any_of(names) : fmt::format("did you mean `{}`?", alike)));
 }
 
 }  // namespace talus

@@ -1,6 +1,7 @@
 #include "talus/app/progress.hpp"
 
 #include <fmt/format.h>
+#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -37,8 +38,20 @@ double Progress::speed(const Ledger& ledger, long n_particles) const {
 
 std::string Progress::line(const Ledger& l, long n_particles) const {
   const double done = l.time - from_time_, left = done > 0 ? seconds() * (end_ - l.time) / done : INFINITY;
-  return fmt::format("t = {:.4f} of {:.4g} s   step {}   {:.2f} M particle-steps/s   {} left", l.time, end_, l.step,
+  return fmt::format("t = {:.4f} of {:.4g} s   step {}   {:.3g} M particle-steps/s   {} left", l.time, end_, l.step,
                      speed(l, n_particles), duration_in_words(std::max(0.0, left)));
+}
+
+std::string Progress::live_line(const Ledger& l, long n_particles) const {
+  winsize terminal{};
+  const bool is_known = ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) == 0 && terminal.ws_col > 0;
+  const std::size_t columns = is_known ? terminal.ws_col : 80;
+  const std::string whole = line(l, n_particles);
+  if (whole.size() < columns) return whole;
+  const double done = l.time - from_time_, left = done > 0 ? seconds() * (end_ - l.time) / done : INFINITY;
+  const std::string brief =
+      fmt::format("t = {:.3g} of {:.3g} s, {} left", l.time, end_, duration_in_words(std::max(0.0, left)));
+  return brief.substr(0, columns - 1);
 }
 
 void Progress::show(const Ledger& ledger, long n_particles) {
@@ -47,12 +60,15 @@ void Progress::show(const Ledger& ledger, long n_particles) {
   // A terminal is refreshed five times a second; a log gets a line every tenth minute at most, sooner in short runs.
   if (since < (live_ ? 0.2 : std::clamp(seconds() / 4, 5.0, 600.0))) return;
   last_shown_ = now;
-  fmt::print(stderr, "{}{}{}", live_ ? to_line_start : "", line(ledger, n_particles), live_ ? "" : "\n");
+  if (live_)
+    fmt::print(stderr, "{}{}", to_line_start, live_line(ledger, n_particles));
+  else
+    fmt::print(stderr, "{}\n", line(ledger, n_particles));
   std::fflush(stderr);
 }
 
 void Progress::finish(const Ledger& ledger, long n_particles) {
-  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.2f} M particle-steps/s   took {}\n", live_ ? to_line_start : "",
+  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.3g} M particle-steps/s   took {}\n", live_ ? to_line_start : "",
              ledger.time, ledger.step, speed(ledger, n_particles), duration_in_words(seconds()));
 }
 

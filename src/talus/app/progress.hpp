@@ -20,6 +20,8 @@ class Progress {
 
  private:
   std::string line(const Ledger& ledger, long n_particles) const;
+  /// What fits into the line of a terminal, so that it is overwritten by the next.
+  std::string live_line(const Ledger& ledger, long n_particles) const;
   /// Million particle-steps a second.
   double speed(const Ledger& ledger, long n_particles) const;
 

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "talus/app/commands.hpp"
+#include "talus/app/threads.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 #include "talus/figure/folders.hpp"
@@ -78,10 +79,9 @@ void print_verdicts(const RemadeFigure& figure) {
 int reproduce(const ReproduceOptions& options) {
   std::vector<RemadeFigure> figures = read_figures(figure_folders(options.from, options.figure));
   const fs::path out = options.out.empty() ? fs::path("out") / "reproduce" : fs::path(options.out);
-  run_all_element_tests(figures, options.threads);
-  const auto run = [&](const fs::path& folder, const std::string& text) {
-    return run_in(folder, text, options.threads);
-  };
+  const int threads = usable_threads(options.threads, options.force_threads);
+  run_all_element_tests(figures, threads);
+  const auto run = [&](const fs::path& folder, const std::string& text) { return run_in(folder, text, threads); };
   try {
     for (const CurveOfReading& curve : curves_of_cases(figures)) run_cases(curve, out, run);
   } catch (const Stopped& stopped) {

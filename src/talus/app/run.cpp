@@ -4,15 +4,20 @@
 #include <csignal>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <optional>
 
 #include "talus/app/commands.hpp"
 #include "talus/app/failure.hpp"
 #include "talus/app/interrupt.hpp"
+#include "talus/app/memory_limit.hpp"
+#include "talus/app/processes.hpp"
 #include "talus/app/progress.hpp"
 #include "talus/app/recorder.hpp"
 #include "talus/app/task.hpp"
-#include "talus/backend/backend.hpp"
+#include "talus/app/threads.hpp"
+#include "talus/base/machine.hpp"
+#include "talus/mpm/start/plausibility.hpp"
 #include "talus/output/notices.hpp"
 #include "talus/output/plot.hpp"
 #include "talus/output/record.hpp"
@@ -55,11 +60,13 @@ class Run {
   const RunOptions& options_;
   Task task_;
   const Case& case_;
+  const std::vector<std::string> doubts_;  ///< about values of the case
   std::unique_ptr<Backend> loop_;
   std::unique_ptr<Simulation> simulation_;
   OutlineFinder outlines_;
   RunSummary summary_;
   std::vector<Picture> map_pictures_;  ///< of a run on terrain
+  bool has_gnuplot_ = true;
   Recorder recorder_;
   Progress progress_;
   std::optional<Failure> failure_;
@@ -69,17 +76,27 @@ Run::Run(const RunOptions& options)
     : options_(options),
       task_(read_task_to_end(options)),
       case_(task_.input.case_),
-      loop_(make_openmp(options.threads)),
-      simulation_(make_simulation(case_, *loop_)),
+      doubts_(doubts_about(case_)),
+      loop_(processes().make_backend(usable_threads(options.threads, options.force_threads))),
+      simulation_(processes().make_simulation(case_, task_.case_file, task_.case_text, *loop_)),
       outlines_(case_, simulation_->places()),
       summary_(summary_at_start()),
       recorder_(task_, restore_or_claim_folder(), outlines_, *simulation_),
       progress_(case_.end, simulation_->ledger()) {}
 
 int Run::run() {
-  fmt::print(stderr, "{}: {} particles, {} thread{}; results in {}\n", case_.title, summary_.n_particles,
-             summary_.n_threads, summary_.n_threads == 1 ? "" : "s", task_.folder.string());
-  if (task_.saved) fmt::print(stderr, "goes on from {}\n", recorder_.last_checkpoint());
+  const int n = processes().n();
+  fmt::print(stderr, "{}: {} particles, {}{} thread{}; results in {}\n", case_.title, summary_.n_particles,
+             n > 1 ? fmt::format("{} processes of ", n) : "", summary_.n_threads, summary_.n_threads == 1 ? "" : "s",
+             task_.folder.string());
+  if (n > 1 && n_usable_processors() < summary_.n_threads)
+    fmt::print(stderr,
+               "warning: each process has {} threads and may use {} of the processors; mpirun --bind-to none lets it "
+               "use all\n",
+               summary_.n_threads, n_usable_processors());
+  for (const std::string& doubt : doubts_) fmt::print(stderr, "warning: {}\n", doubt);
+  processes().set_command_to_resume(how_to_resume());
+  if (task_.saved) fmt::print(stderr, "resumes from {}\n", recorder_.last_checkpoint());
   const int signal = step_until_end_or_signal();
   progress_.finish(simulation_->ledger(), summary_.n_particles);
   complete_summary();
@@ -118,8 +135,9 @@ RunSoFar Run::restore_or_claim_folder() {
     so_far = task_.saved->so_far;
     if (so_far.map_checksum != checksum_of_maps(case_))
       throw InputError(
-          "the meshes or maps that the case reads have changed since the run began: resume it with those of then, or "
-          "begin anew in another folder");
+          "the meshes or maps that the case reads have changed since the run started. Restore them to resume, or start "
+          "a "
+          "new run in another folder");
     task_.saved->restore(*simulation_);
     task_.saved->state.clear();                // as large as the particles
     fs::remove(task_.folder / "failure.hdf");  // is written again if the run fails again
@@ -144,10 +162,10 @@ int Run::step_until_end_or_signal() {
   } catch (const RunError& e) {
     record_failure(e);
   } catch (const std::exception& e) {
-    throw std::runtime_error(
-        fmt::format("{}\nThe run has stopped at t = {:.6g} s. Its last checkpoint is {}. Once this "
-                    "is mended, go on with\n  {}",
-                    e.what(), simulation_->ledger().time, recorder_.last_checkpoint(), how_to_resume()));
+    const std::string why = dynamic_cast<const std::bad_alloc*>(&e) ? out_of_memory : e.what();
+    throw std::runtime_error(fmt::format(
+        "{}\nThe run has stopped at t = {:.6g} s. Its last checkpoint is {}. Remove the cause, then resume with\n  {}",
+        why, simulation_->ledger().time, recorder_.last_checkpoint(), how_to_resume()));
   }
   return interrupt.signal();
 }
@@ -173,7 +191,7 @@ void Run::record_failure(const RunError& e) {
   const fs::path snapshot = task_.folder / "failure.hdf";
   write_snapshot(snapshot, simulation_->observe(), *case_.output.fields);
   summary_.failure =
-      fmt::format("{}\nThe last good snapshot is {}; the state at the break is in {}. The last checkpoint is {}.",
+      fmt::format("{}\nThe last good snapshot is {}; the state at the failure is in {}. The last checkpoint is {}.",
                   e.what(), recorder_.snapshots().last().string(), snapshot.string(), recorder_.last_checkpoint());
 }
 
@@ -197,7 +215,8 @@ void Run::complete_summary() {
   summary_.noise = recorder_.noise().shares();
   summary_.bytes = simulation_->bytes();
   summary_.n_snapshots = recorder_.snapshots().size();
-  summary_.warnings = warnings_of(case_, summary_);
+  summary_.warnings = doubts_;
+  for (std::string& warning : warnings_of(case_, summary_)) summary_.warnings.push_back(std::move(warning));
 }
 
 /// Leaves files that show the failure again, and says so in the summary and the record.
@@ -206,15 +225,15 @@ void Run::add_reproducer() {
   try {
     summary_.failure += "\n" + write_reproducer(task_, case_, *loop_, options_.threads, *failure_);
   } catch (const std::exception& e) {  // the failure is what matters
-    summary_.failure += fmt::format("\nNothing could be left that shows it again: {}", e.what());
+    summary_.failure += fmt::format("\nNo files to repeat the failure could be written: {}", e.what());
   }
   write_record(task_.folder / "record.json", summary_);
 }
 
 /// Prints how to resume a run that a signal has stopped. Returns the exit code.
 int Run::stopped_by(int signal) const {
-  fmt::print(stderr, "stopped by {}; the checkpoint is {}. Go on with\n  {}\n", signal == SIGINT ? "Ctrl-C" : "SIGTERM",
-             recorder_.last_checkpoint(), how_to_resume());
+  fmt::print(stderr, "stopped by {}; the checkpoint is {}. Resume with\n  {}\n",
+             signal == SIGINT ? "Ctrl-C" : "SIGTERM", recorder_.last_checkpoint(), how_to_resume());
   return exit_signal + signal;
 }
 
@@ -227,8 +246,11 @@ void Run::write_results() {
     drawn = map_pictures_;
     for (Chart& chart : recorder_.gauges().charts()) charts.push_back(std::move(chart));
   }
-  if (!drawn.empty())
+  has_gnuplot_ = gnuplot_is_installed();
+  if (has_gnuplot_) {
+    fs::create_directories(folder / "pictures");
     for (const Chart& chart : charts) draw_chart(folder / "pictures", folder / chart.csv, chart);
+  }
   write_report(folder, case_, summary_, drawn, charts);
   print_results(drawn);
 }
@@ -236,12 +258,14 @@ void Run::write_results() {
 void Run::print_results(const std::vector<Picture>& drawn) const {
   fmt::print(stderr, "{}\n", in_words(summary_.tally));
   if (summary_.came_to_rest)
-    fmt::print(stderr, "ended at rest: kinetic energy has stayed below {:g} of its largest value (`stop_below`)\n",
+    fmt::print(stderr, "ended at rest: the kinetic energy stayed below {:g} of its largest value (`stop_below`)\n",
                case_.stop_below);
   if (const std::string notice = notice_of_outflow(summary_.ledger); !notice.empty())
     fmt::print(stderr, "{}\n", notice);
-  for (const std::string& w : summary_.warnings) fmt::print(stderr, "warning: {}\n", w);
-  if (drawn.empty()) fmt::print(stderr, "warning: no pictures were drawn; gnuplot is not installed\n");
+  for (std::size_t i = doubts_.size(); i < summary_.warnings.size(); ++i)  // the doubts were printed at the start
+    fmt::print(stderr, "warning: {}\n", summary_.warnings[i]);
+  if (!has_gnuplot_)
+    fmt::print(stderr, "warning: no pictures: gnuplot is not installed. The report has curves and particles\n");
   if (!summary_.failure.empty()) return;
   if (!drawn.empty()) fmt::print("picture: {}\n", fs::absolute(drawn.front().file).string());
   fmt::print("report:  {}\n", fs::absolute(task_.folder / "report.html").string());

@@ -3,6 +3,7 @@
 #include <errno.h>  // program_invocation_name
 #include <fmt/format.h>
 
+#include "talus/app/processes.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/base/units.hpp"
 #include "talus/mpm/start/body.hpp"
@@ -23,7 +24,7 @@ std::string quoted(const std::string& word) {
 }
 
 std::string command(const std::string& run, int threads) {
-  return fmt::format("{} run {}{}", quoted(program_invocation_name), run,
+  return fmt::format("{}{} run {}{}", processes().launcher(), quoted(program_invocation_name), run,
                      threads > 0 ? fmt::format(" --threads {}", threads) : "");
 }
 
@@ -38,7 +39,9 @@ std::string command_to_resume(const Task& task, const fs::path& folder, int thre
     read_case_text((folder / "case.toml").string(), task.case_text);
     return command_to_resume(folder, threads);
   } catch (const InputError&) {
-    return command(quoted(task.case_file) + " --resume --out " + quoted(folder.string()), threads);
+    std::string run = quoted(task.case_file) + " --resume --out " + quoted(folder.string());
+    for (const std::string& assignment : task.set) run += " --set " + quoted(assignment);
+    return command(run, threads);
   }
 }
 
@@ -59,9 +62,9 @@ bool holds_results(const fs::path& folder) {
 
 /// Reason a new run must not write into a folder; empty if it may.
 std::string reason_not_to_write(const fs::path& folder, const Task& task, const RunOptions& options) {
-  constexpr const char* choice = "give another folder with --out, or --overwrite";
+  constexpr const char* choice = "use another folder (--out) or --overwrite";
   if (Checkpoints::any_in(folder))
-    return fmt::format("{} holds results already; {}. To go on with the run there: {}", folder.string(), choice,
+    return fmt::format("{} holds results already; {}. To resume that run: {}", folder.string(), choice,
                        command_to_resume(folder, options.threads));
   if (holds_results(folder)) return fmt::format("{} holds results already; {}", folder.string(), choice);
   if (fs::exists(folder / "case.toml") && contents_of(folder / "case.toml") != task.case_text)
@@ -72,10 +75,9 @@ std::string reason_not_to_write(const fs::path& folder, const Task& task, const 
 /// Throws InputError unless the folder that stands for the case holds a run to resume.
 void expect_run_in_folder(const RunOptions& options) {
   if (!options.resume)
-    throw InputError(fmt::format("{} is a folder; to go on with the run there: {}", options.case_file,
+    throw InputError(fmt::format("{} is a folder; to resume the run there: {}", options.case_file,
                                  command_to_resume(options.case_file, options.threads)));
-  if (!options.out.empty())
-    throw InputError("--out cannot be given where the folder of a run's results is: the run goes on in it");
+  if (!options.out.empty()) throw InputError("--out cannot be used when a run is resumed by its folder");
   if (!fs::exists(fs::path(options.case_file) / "case.toml"))
     throw InputError(fmt::format("{} holds no run: there is no case.toml", options.case_file));
 }
@@ -88,8 +90,8 @@ void read_saved_run(Task& task) {
                                  [](const std::string& why) { fmt::print(stderr, "{}\n", why); });
   if (!task.saved && holds_results(task.folder))
     throw InputError(
-        fmt::format("{} holds results but no checkpoint, so the run cannot go on; --overwrite instead "
-                    "of --resume begins anew",
+        fmt::format("{} holds results but no checkpoint, so the run cannot be resumed; use --overwrite "
+                    "instead of --resume to start again",
                     task.folder.string()));
   if (!task.saved) return;
   const OutputSpec output = task.input.case_.output;
@@ -110,18 +112,21 @@ Task read_task(const RunOptions& options) {
                 : options.out.empty() ? fs::path("out") / fs::path(options.case_file).stem()
                                       : fs::path(options.out);
   task.case_file = by_folder ? (task.folder / "case.toml").string() : options.case_file;
-  task.input = read_case(task.case_file);
-  task.case_text = contents_of(task.case_file);
+  const std::vector<Override> overrides = read_overrides(options.set);
+  task.set = options.set;
+  task.input = read_case(task.case_file, overrides);
+  task.case_text = with_overrides(task.case_file, contents_of(task.case_file), overrides);
   if (options.resume && fs::is_directory(task.folder)) read_saved_run(task);
   return task;
 }
 
 void expect_memory_for(const Case& case_) {
-  const double needed = estimated_bytes(case_), free = free_memory();
+  // At the start every process fills all bodies, then keeps its share.
+  const double needed = estimated_bytes(case_) * processes().n_on_this_machine(), free = free_memory();
   if (free > 0 && needed > free)
     throw InputError(
-        fmt::format("about {:.2g} particles need some {:.2g} GB of memory, and {:.2g} GB are free here; a "
-                    "larger `spacing` makes fewer",
+        fmt::format("{:.2g} particles need about {:.2g} GB of memory, and {:.2g} GB are free; use a larger "
+                    "`spacing`",
                     estimated_particles(case_), 1e-9 * needed, 1e-9 * free));
 }
 
@@ -138,13 +143,13 @@ void claim_folder(Task& task, const RunOptions& options) {
   std::error_code failure;
   fs::create_directories(task.folder, failure);
   if (failure || !fs::is_directory(task.folder))
-    throw InputError(fmt::format("the folder {} cannot be made: {}", task.folder.string(),
+    throw InputError(fmt::format("cannot create the folder {}: {}", task.folder.string(),
                                  failure ? failure.message() : "something else has this name"));
   if (!task.lock) task.lock = std::make_unique<FolderLock>(task.folder);
   if (const std::string why = reason_not_to_write(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
   // Results of an earlier run must not be mistaken for those of this one.
-  for (const char* name : {"checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "failure.hdf",
+  for (const char* name : {"checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "failure.hdf",
                            "record.json", "report.html"})
     fs::remove(task.folder / name);
   fs::remove_all(task.folder / "failure");

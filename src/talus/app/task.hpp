@@ -17,6 +17,7 @@ struct Task {
   std::filesystem::path folder;  ///< of the results
   CaseFile input;
   std::string case_file, case_text;
+  std::vector<std::string> set;   ///< values that replaced those of the case
   std::optional<SavedRun> saved;  ///< checkpoint to resume from; none for a new run
   std::unique_ptr<FolderLock> lock;
 };

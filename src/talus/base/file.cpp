@@ -70,6 +70,18 @@ void WholeFile::write(const void* bytes, std::size_t n) {
   }
 }
 
+void WholeFile::reserve(std::uintmax_t size) {
+  if (::fallocate(descriptor_, 0, 0, off_t(size)) != 0 && errno != EOPNOTSUPP && errno != ENOSYS) fail();
+}
+
+void WholeFile::cut_to(std::uintmax_t size) {
+  if (::ftruncate(descriptor_, off_t(size)) != 0) fail();
+}
+
+void WholeFile::write_at_start(const void* bytes, std::size_t n) {
+  if (::pwrite(descriptor_, bytes, n, 0) != ssize_t(n)) fail();
+}
+
 void WholeFile::finish() {
   const int descriptor = descriptor_;
   descriptor_ = -1;

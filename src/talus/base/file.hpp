@@ -28,6 +28,12 @@ class WholeFile {
   WholeFile& operator=(const WholeFile&) = delete;
 
   void write(const void* bytes, std::size_t n);
+  /// The name that it has now, for a library that writes it itself.
+  const std::filesystem::path& unfinished() const { return unfinished_; }
+  /// Makes room on the disk for so many bytes, as far as the file system does that, so that writing them cannot fail.
+  void reserve(std::uintmax_t size);
+  void cut_to(std::uintmax_t size);
+  void write_at_start(const void* bytes, std::size_t n);
   /// Gives the file its name, in place of an older one.
   void finish();
   /// The same once all of it is on the disk, so that it outlasts a power cut.

@@ -2,6 +2,7 @@
 /// Four numbers with the operators and the results of GCC's vectors: what device code has instead of them.
 /// `portability.hpp` includes it where it is needed, and says what each function does.
 
+#include <bit>
 #include <cmath>
 
 #include "talus/base/portability.hpp"
@@ -63,6 +64,10 @@ TALUS_HD Four<T> operator+(const Four<T>& a, T b) {
 template <class T>
 TALUS_HD Four<T> operator-(const Four<T>& a, T b) {
   return each_lane(a, [b](T x) { return x - b; });
+}
+template <class T>
+TALUS_HD Four<T> operator-(T a, const Four<T>& b) {
+  return each_lane(b, [a](T x) { return a - x; });
 }
 
 template <class T>
@@ -129,6 +134,11 @@ TALUS_HD inline Four<double> square_roots(const Four<double>& x) {
 TALUS_HD inline Four<double> floors(const Four<double>& x) {
   return each_lane(x, [](double v) { return std::floor(v); });
 }
+TALUS_HD inline Four<double> magnitudes(const Four<double>& x) {
+  return each_lane(x, [](double v) { return std::fabs(v); });
+}
+TALUS_HD inline Four<unsigned long> bits_of(const Four<double>& x) { return std::bit_cast<Four<unsigned long>>(x); }
+TALUS_HD inline Four<double> doubles_of(const Four<unsigned long>& bits) { return std::bit_cast<Four<double>>(bits); }
 TALUS_HD inline Four<double> larger(const Four<double>& a, const Four<double>& b) {
   return each_lane(a, b, [](double x, double y) { return x < y ? y : x; });
 }

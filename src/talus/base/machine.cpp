@@ -1,5 +1,8 @@
 #include "talus/base/machine.hpp"
 
+#include <sched.h>
+
+#include <algorithm>
 #include <ctime>
 #include <fstream>
 #include <string>
@@ -34,6 +37,11 @@ bool same_bits(std::string one_build, std::string other_build) {
 std::string processor() {
   const std::string name = line_of("/proc/cpuinfo", "model name");
   return name.empty() ? "unknown processor" : name;
+}
+
+int n_usable_processors() {
+  cpu_set_t usable;
+  return ::sched_getaffinity(0, sizeof usable, &usable) == 0 ? std::max(1, CPU_COUNT(&usable)) : n_processors();
 }
 
 int n_processors() { return int(std::max(1u, std::thread::hardware_concurrency())); }

@@ -14,6 +14,8 @@ bool same_bits(std::string one_build, std::string other_build);
 /// The processor's name.
 std::string processor();
 int n_processors();
+/// Those that this process may use; launchers bind processes to some.
+int n_usable_processors();
 /// Memory that is free for use now [bytes].
 double free_memory();
 /// Processor time this process has used [s], all threads.

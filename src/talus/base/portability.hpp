@@ -117,8 +117,56 @@ inline int sign_bits(FourMasks m) {
   return bits;
 }
 #endif
+inline FourDoubles magnitudes(FourDoubles x) {
+  return reinterpret_cast<FourDoubles>(reinterpret_cast<FourMasks>(x) & 0x7fffffffffffffff);
+}
+inline FourBits bits_of(FourDoubles x) { return reinterpret_cast<FourBits>(x); }
+inline FourDoubles doubles_of(FourBits bits) { return reinterpret_cast<FourDoubles>(bits); }
 
 #endif
+
+/// How many numbers, or truth values, a register holds.
+template <class Register>
+inline constexpr int lanes_in = int(sizeof(Register) / sizeof(double));
+
+TALUS_HD inline FourMasks less(FourDoubles a, FourDoubles b) { return a < b; }
+TALUS_HD inline FourMasks less_or_equal(FourDoubles a, FourDoubles b) { return a <= b; }
+TALUS_HD inline FourMasks equal(FourDoubles a, FourDoubles b) { return a == b; }
+TALUS_HD inline bool any_of(FourMasks m) { return sign_bits(m) != 0; }
+TALUS_HD inline bool all_of(FourMasks m) { return sign_bits(m) == 15; }
+TALUS_HD inline void set_number(FourDoubles& x, int i, double value) { x[i] = value; }
+TALUS_HD inline void broadcast(double x, FourDoubles& all) { all = FourDoubles{x, x, x, x}; }
+TALUS_HD inline void read(const double* column, FourDoubles& x) {
+  x = *reinterpret_cast<const FourDoublesAnywhere*>(column);
+}
+TALUS_HD inline void write(FourDoubles x, double* column) { *reinterpret_cast<FourDoublesAnywhere*>(column) = x; }
+/// The first `count` numbers only; what is `beyond` them is the same in all lanes.
+TALUS_HD inline void read_first(const double* column, int count, double beyond, FourDoubles& x) {
+  for (int i = 0; i < 4; ++i) x[i] = i < count ? column[i] : beyond;
+}
+TALUS_HD inline void write_first(FourDoubles x, int count, double* column) {
+  for (int i = 0; i < 4 && i < count; ++i) column[i] = x[i];
+}
+
+}  // namespace talus
+
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && !defined(__CUDACC__)
+#include "talus/base/eight_avx512.hpp"
+#endif
+#include "talus/base/two_registers.hpp"
+
+namespace talus {
+
+// Two of the widest registers are what a law updates at a time: while one waits for a division or a square root, the
+// other goes on.
+#if defined(__AVX512F__) && defined(__AVX512DQ__) && !defined(__CUDACC__)
+using PackDoubles = Two<EightDoubles>;
+#else
+using EightDoubles = Two<FourDoubles>;
+using PackDoubles = EightDoubles;
+#endif
+/// Numbers of the widest pack of any build: rows that are read pack by pack are as much longer.
+inline constexpr int widest_pack = 16;
 
 /// Whether `a * b + c` is one rounding on the target. Everywhere else the compiler is told not to contract
 /// (`-ffp-contract=off`), so that scalar code and code for several particles at once give the same bits.

@@ -30,19 +30,46 @@ std::string as_csv(const ResultTable& result) {
   return csv;
 }
 
+namespace {
+
+/// The character between the columns of a table, by its first line: spreadsheets also write semicolons, where the comma is
+/// the decimal sign, and tabs.
+char separator_in(std::string_view header) {
+  if (header.find(',') != header.npos) return ',';
+  if (header.find(';') != header.npos) return ';';
+  return header.find('\t') != header.npos ? '\t' : ',';
+}
+
+/// NaN for what is no number, such as "12 mm". With semicolons between columns a comma is a decimal sign.
+double number_in_cell(std::string_view cell, char separator) {
+  cell.remove_prefix(std::min(cell.find_first_not_of(" +"), cell.size()));
+  cell.remove_suffix(cell.size() - std::min(cell.find_last_not_of(' ') + 1, cell.size()));
+  std::string text(cell);
+  if (separator != ',') std::replace(text.begin(), text.end(), ',', '.');
+  double value;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool is_number = failure == std::errc() && end == text.data() + text.size();
+  return is_number ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
 NumberTable read_csv(const std::string& path, const std::string& where, const std::string& is) {
   expect_file(path, std::uintmax_t(most_csv_bytes));
   std::ifstream file(path);
   NumberTable table;
   std::string line;
   int chosen = -1, number = 0;
+  char separator = ',';
   while (std::getline(file, line)) {
     ++number;
+    if (number == 1 && line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);  // byte-order mark of a spreadsheet
     if (!line.empty() && line.back() == '\r') line.pop_back();
     if (line.empty() || line[0] == '#') continue;
+    if (table.names.empty()) separator = separator_in(line);
     std::vector<std::string_view> cells;
     for (std::string_view rest = line; !rest.empty();) {
-      const std::size_t comma = std::min(rest.find(','), rest.size());
+      const std::size_t comma = std::min(rest.find(separator), rest.size());
       cells.push_back(rest.substr(0, comma));
       rest.remove_prefix(std::min(comma + 1, rest.size()));
     }
@@ -62,14 +89,7 @@ NumberTable read_csv(const std::string& path, const std::string& where, const st
           fmt::format("{}:{}: {} cells, but {} columns", path, number, cells.size(), table.names.size()));
     if (chosen >= 0 && cells[chosen] != is) continue;
     std::vector<double> row;
-    for (std::string_view c : cells) {
-      c.remove_prefix(std::min(c.find_first_not_of(" +"), c.size()));
-      c.remove_suffix(c.size() - std::min(c.find_last_not_of(' ') + 1, c.size()));
-      double value;
-      const auto [end, failure] = std::from_chars(c.data(), c.data() + c.size(), value);
-      const bool is_number = failure == std::errc() && end == c.data() + c.size();  // "12 mm" is none
-      row.push_back(is_number ? value : std::numeric_limits<double>::quiet_NaN());
-    }
+    for (std::string_view c : cells) row.push_back(number_in_cell(c, separator));
     table.rows.push_back(std::move(row));
     table.lines.push_back(number);
   }

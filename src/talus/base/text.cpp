@@ -51,9 +51,19 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
 
 namespace {
 
-/// Bytes of the control character that a UTF-8 text begins with: C0, DEL, or C1, which comes in two; 0 if it is none.
+/// Whether a UTF-8 text begins with a character that changes the order in which the text is shown (Unicode 15, UAX 9:
+/// U+202A to U+202E, U+2066 to U+2069), so that it reads as something else.
+bool is_direction_control(std::string_view text) {
+  if (text.size() < 3 || text[0] != '\xe2') return false;
+  const auto second = static_cast<unsigned char>(text[1]), third = static_cast<unsigned char>(text[2]);
+  return (second == 0x80 && third >= 0xaa && third <= 0xae) || (second == 0x81 && third >= 0xa6 && third <= 0xa9);
+}
+
+/// Bytes of the control character that a UTF-8 text begins with: C0, DEL, C1, which comes in two, or one of direction, in
+/// three; 0 if it is none.
 int control_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0xffu; };
+  if (is_direction_control(text)) return 3;
   if (byte(0) < 0x20 || byte(0) == 0x7f) return 1;
   return byte(0) == 0xc2 && byte(1) >= 0x80 && byte(1) < 0xa0 ? 2 : 0;
 }
@@ -68,6 +78,8 @@ std::string printable(std::string_view text) {
       out += text[0];
     else if (text[0] == '\n')
       out += "\\n";
+    else if (n == 3)
+      out += fmt::format("\\u{:04x}", 0x2000 + 64 * (text[1] & 0x3f) + (text[2] & 0x3f));
     else
       out += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[n - 1]));
     text.remove_prefix(std::max<std::size_t>(n, 1));

@@ -51,6 +51,7 @@ constexpr Measure measures[] = {
     {"1/s", "a rate", "0.1 1/s"},
     {"1/s2", "an acceleration of strain", "50 1/s2"},
     {"Pa/s", "a rate of pressure", "1 kPa/s"},
+    {unit_of_strain, "a strain", "5 %"},
 };
 
 /// UDUNITS counts angles as pure numbers and converts one into the other; we do not.
@@ -76,6 +77,10 @@ std::variant<double, std::string> to_si(std::string_view text, std::string_view 
   const auto parsed = std::from_chars(rest.data(), rest.data() + rest.size(), number);
   if (parsed.ec != std::errc() || !std::isfinite(number)) return expected;
   rest = trimmed(rest.substr(parsed.ptr - rest.data()));
+  if (unit == unit_of_strain) {
+    if (rest == "%") return number / 100;
+    return expected;
+  }
   if (rest.empty()) return "lacks its unit; write " + example_of(unit);
 
   // UDUNITS takes more than units: factors ("3 mm 2" would be 6 mm), powers of 0 ("3 mm0 mm" would be 3 mm).
@@ -113,7 +118,7 @@ std::string what_is_measured_in(std::string_view unit) {
 }
 
 std::string with_unit(double value, std::string_view unit) {
-  if (unit == "1") return fmt::format("{:.10g}", value);
+  if (unit == "1" || unit == unit_of_strain) return fmt::format("{:.10g}", value);
   if (unit == "rad") return fmt::format("{:.10g} deg", value * 180 / std::numbers::pi);
   if (unit == "m" && value != 0 && std::abs(value) < 1) return fmt::format("{:.10g} mm", value * 1e3);
   if (unit == "Pa" && std::abs(value) >= 1e3) return fmt::format("{:.10g} kPa", value / 1e3);

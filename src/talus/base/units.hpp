@@ -13,6 +13,9 @@ namespace talus {
 /// none. Units are those of UDUNITS-2, and deg.
 std::variant<double, std::string> to_si(std::string_view text, std::string_view unit);
 
+/// The unit of strains: the number 1, which may also be written in percent, 0.05 or "5 %".
+inline constexpr std::string_view unit_of_strain = "strain";
+
 /// What a unit measures, for messages: "a length" for "m". The unit itself where there is no word for it.
 std::string what_is_measured_in(std::string_view unit);
 

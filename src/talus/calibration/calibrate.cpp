@@ -89,7 +89,7 @@ CalibrationState read_state(const std::filesystem::path& file, std::uint64_t fin
     throw InputError(fmt::format("{} holds no state of a calibration: {}", file.string(), e.what()));
   }
   if (state.fingerprint != fingerprint)
-    throw InputError(fmt::format("{} belongs to other data or settings; --overwrite begins anew", file.string()));
+    throw InputError(fmt::format("{} belongs to other data or settings; --overwrite starts again", file.string()));
   return state;
 }
 

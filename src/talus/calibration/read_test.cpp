@@ -92,14 +92,14 @@ constexpr Text name_key{"name", "name of the test; with `each` the beginning of 
     each_key{"each", "column that separates tests: one test for every value in it"};
 constexpr Option kind_key{"kind", "kind of the test", test_kind_choices};
 constexpr Choice triaxial_drainages[] = {
-    {"undrained", "constant volume"}, {"drained", "lateral stress held"}, {"constant_p", "mean stress held"}};
+    {"undrained", "constant volume"}, {"drained", "constant lateral stress"}, {"constant_p", "constant mean stress"}};
 constexpr Choice shear_drainages[] = {{"undrained", "constant volume"},
-                                      {"constant_normal_stress", "normal stress on the plane of shear held"}};
+                                      {"constant_normal_stress", "constant normal stress on the plane of shear"}};
 constexpr Choice grain_drainages[] = {{"constant_volume", "at the void ratio of the row"},
                                       {"constant_normal_stress", "under the normal stress of the row"}};
-constexpr Option triaxial_drainage{"drainage", "what is held besides the axial strain", triaxial_drainages},
-    shear_drainage{"drainage", "what is held besides the shear strain", shear_drainages},
-    grain_drainage{"drainage", "what is held in steady shear", grain_drainages};
+constexpr Option triaxial_drainage{"drainage", "condition besides the axial strain", triaxial_drainages},
+    shear_drainage{"drainage", "condition besides the shear strain", shear_drainages},
+    grain_drainage{"drainage", "condition in steady shear", grain_drainages};
 constexpr Choice strain_measures[] = {{"nominal", "change over the first length or volume"},
                                       {"logarithmic", "integral of the increments over the current length or volume"}};
 constexpr Option strains_key{"strains", "measure of the measured strains", strain_measures};

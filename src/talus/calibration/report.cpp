@@ -13,6 +13,8 @@
 #include "talus/base/units.hpp"
 #include "talus/calibration/page.hpp"
 #include "talus/case/material.hpp"
+#include "talus/law/constants.hpp"
+#include "talus/law/point.hpp"
 
 namespace talus {
 
@@ -131,15 +133,19 @@ std::string material_block(const Calibration& c, const CalibrationResult& r) {
 }
 
 std::string user_material(const Calibration& c, const CalibrationResult& r) {
-  const std::vector<NamedValue> all = parameters_of(r.law);
-  std::string text =
-      fmt::format("** {}\n** law `{}` of talus {}; SI units, angles in rad\n** constants in this order:\n", c.title,
-                  name_of(r.law), version());
+  MaterialConstants material;
+  material.law = r.law;
+  const std::vector<NamedConstant> all = constants_of(material);
+  std::string text = fmt::format(
+      "** {}\n** law `{}` of talus {} for libtalus_umat.so; SI units, angles in rad\n** constants in this order:\n",
+      c.title, name_of(r.law), version());
   for (std::size_t i = 0; i < all.size(); ++i)
-    text += fmt::format("** {:>3} {:<8} [{}] {}\n", i + 1, all[i].parameter.key, all[i].parameter.unit,
-                        all[i].parameter.meaning);
+    text += fmt::format("** {:>3} {:<8} [{}] {}\n", i + 1, all[i].name, all[i].unit, all[i].meaning);
   for (const auto& [key, word] : options_of(r.law)) text += fmt::format("** option {} = \"{}\"\n", key, word);
-  text += fmt::format("*USER MATERIAL, CONSTANTS={}\n", all.size());
+  if (void_ratios_of(r.law))
+    text += "** void_ratio is to be set: here, or as the first solution-dependent state variable\n";
+  text += fmt::format("*DEPVAR\n{}\n", 2 + state_size_of(r.law));
+  text += fmt::format("*USER MATERIAL, CONSTANTS={}, UNSYMM\n", all.size());
   for (std::size_t i = 0; i < all.size(); ++i)
     text += fmt::format("{:.8g}{}", all[i].value, i + 1 == all.size() ? "\n" : (i + 1) % 8 == 0 ? ",\n" : ", ");
   return text;

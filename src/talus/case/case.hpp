@@ -37,17 +37,21 @@ inline constexpr Choice shape_function_choices[] = {
 enum class Transfer { affine_tau, flip_tau, flip, apic, tpic };
 inline constexpr Choice transfer_choices[] = {
     {"affine_tau",
-     "FLIP that forgets what is not locally affine at a rate 1/tau: the result does not depend on the time step"},
-    {"flip_tau", "the same by a plainer filter, which also damps what the grid can hold, like a viscosity h^2/(4 tau)"},
-    {"flip", "FLIP with a fixed share `flip_share` a step, 0 is PIC; below 1 the result depends on the time step"},
-    {"apic", "affine PIC (Jiang et al. 2015): keeps angular momentum; the result depends on the time step"},
-    {"tpic", "Taylor PIC: particles hand on their velocity gradient; the result depends on the time step"},
+     "FLIP; velocity fluctuations that are not locally affine decay with time constant tau; independent of the time "
+     "step"},
+    {"flip_tau",
+     "FLIP; all velocity fluctuations below the cell size decay with time constant tau; acts like a viscosity h^2/(4 "
+     "tau)"},
+    {"flip",
+     "FLIP that keeps the share `flip_share` of fluctuations per step (0: PIC); below 1 it depends on the time step"},
+    {"apic", "affine PIC (Jiang et al. 2015): conserves angular momentum; the result depends on the time step"},
+    {"tpic", "Taylor PIC: particles carry their velocity gradient; the result depends on the time step"},
 };
 
 enum class Order { usf, musl };
 inline constexpr Choice order_choices[] = {
-    {"usf", "stress first, from the velocity that the nodes have at the start of the step (the paper's order)"},
-    {"musl", "stress last, from the particles' new velocity given back to the nodes (Sulsky et al. 1995)"},
+    {"usf", "stress update first, from node velocities at the start of the step (the paper's order)"},
+    {"musl", "stress update last, from new particle velocities mapped to the nodes (Sulsky et al. 1995)"},
 };
 
 enum class InitialStress { k0, zero, given };
@@ -63,11 +67,11 @@ inline constexpr Choice lattice_choices[] = {
     {"cells", "points in the middle of cubes of size `spacing`, counted from the corner of the bounding box"},
     {"corner", "points at whole multiples of `spacing` from that corner, the corner included"},
     {"blue_noise",
-     "no rows: in each of the cubes of `cells` a point at random, as far as may be from its neighbours (Mitchell "
+     "no rows: one random point in each of the cubes of `cells`, as far as possible from its neighbours (Mitchell "
      "1991)"},
 };
 
-/// Quantities that are told of every particle, whatever its law.
+/// Quantities that every particle has, whatever its law.
 inline constexpr Quantity common_quantities[] = {
     {"velocity", "m/s", 3, "velocity of the material"},
     {"body", "1", 1, "number of the body, in the order of the case"},
@@ -196,6 +200,12 @@ struct Thalweg {
   bool operator==(const Thalweg&) const = default;
 };
 
+enum class ReportSize { small, full };
+inline constexpr Choice report_choices[] = {
+    {"small", "at most 8 MB: snapshots and particles are left out of the page if necessary"},
+    {"full", "up to 100 MB of particles"},
+};
+
 struct OutputSpec {
   std::optional<double> snapshots;  ///< interval [s]; by default a share of the run
   std::optional<double> history;    ///< interval [s]; by default a share of the run
@@ -205,8 +215,9 @@ struct OutputSpec {
   std::optional<std::vector<double>> pictures;     ///< instants [s]; by default from the start to the end
   std::optional<std::vector<std::string>> fields;  ///< quantities in snapshots; by default those that the laws have
   MapSpec maps{};
-  std::optional<double> checkpoints;  ///< interval of simulated time [s]; without it, by the clock alone
-  double checkpoint_wall = 600;       ///< interval on the clock [s]
+  std::optional<double> checkpoints;      ///< interval of simulated time [s]; without it, by the clock alone
+  double checkpoint_wall = 600;           ///< interval on the clock [s]
+  ReportSize report = ReportSize::small;  ///< of report.html
 
   bool operator==(const OutputSpec&) const = default;
 };

@@ -19,8 +19,8 @@ void check_rough_surface(MistakesOf surface, const Case& case_) {
     const std::optional<double> of_one = critical_friction_of(m.law);
     const FrictionRise rise_of_one = friction_rise_of(m.law);
     if (!of_one)
-      surface.add("kind", fmt::format("cannot be rough: the law of `{}` has no critical friction; use no_slip or {{ "
-                                      "kind = \"friction\", friction = ... }}",
+      surface.add("kind", fmt::format("`rough` needs a law with a critical friction angle; material `{}` has none. Use "
+                                      "{{ kind = \"friction\", friction = ... }} or \"no_slip\"",
                                       m.name));
     else if (friction != 0 && *of_one != friction)
       surface.add("kind", fmt::format("cannot be rough: materials differ in friction, {:.4g} and {:.4g}; write {{ kind "
@@ -59,9 +59,9 @@ void check_periods(MistakesOf domain, const Case& case_) {
     const bool low = is_periodic(2 * a), high = is_periodic(2 * a + 1);
     const int n = case_.n_cells[std::size_t(a)];
     if (low != high)
-      domain.in("walls").add(name_of_side(low ? 2 * a : 2 * a + 1),
-                             fmt::format("must have its like on the other side: `{}` is not periodic",
-                                         name_of_side(low ? 2 * a + 1 : 2 * a)));
+      domain.in("walls").add(
+          name_of_side(low ? 2 * a : 2 * a + 1),
+          fmt::format("needs the opposite side `{}` to be periodic too", name_of_side(low ? 2 * a + 1 : 2 * a)));
     else if (low && n % periodic_multiple != 0)
       domain.add("max", fmt::format("makes a period of {} cells along {}; it must be a multiple of {}", n,
                                     axis_names[a], periodic_multiple));
@@ -73,7 +73,7 @@ void check_around_axis(MistakesOf domain, const Case& case_) {
   if (case_.walls[0].kind == WallKind::periodic) walls.add("x_min", "cannot be periodic: x is the radius");
   if (case_.domain.min[0] < 0) domain.add("min", "must not be below 0 along x, which is the radius");
   if (case_.domain.min[0] == 0 && case_.walls[0].kind != WallKind::slip)
-    walls.add("x_min", "must be `slip`: x = 0 is the axis, through which nothing passes and along which all may slide");
+    walls.add("x_min", "must be `slip`: x = 0 is the axis");
   for (int side = 0; side < 4; ++side)
     if (case_.walls[std::size_t(side)].kind == WallKind::symmetry)
       walls.add(name_of_side(side), "is not for axisymmetric cases; the axis itself is `slip`");

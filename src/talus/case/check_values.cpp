@@ -73,10 +73,13 @@ void check_region(MistakesOf section, const Region& region, int dim) {
     if (dim == 3) check_number(section.in("cylinder"), keys::height, c->height);
   }
   if (const auto* r = std::get_if<Raster>(&region)) check_number(section.in("image"), keys::pixel, r->pixel);
-  if (const auto* list = std::get_if<PointList>(&region))
+  if (const auto* list = std::get_if<PointList>(&region)) {
     if (list->places.empty() || list->places.size() != list->volumes.size() ||
         !std::all_of(list->volumes.begin(), list->volumes.end(), [](double v) { return v > 0; }))
       section.add("points", "must be at least one, each with a volume greater than 0");
+    else if (const auto two = coincident_points(*list, dim))
+      section.add("points", fmt::format("are twice at the same place: points {} and {}", two->first, two->second));
+  }
 }
 
 void check_body(const BodySpec& body, const Case& case_, std::vector<Mistake>& mistakes) {

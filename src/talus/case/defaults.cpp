@@ -36,10 +36,12 @@ double bulk_viscosity_of(const Numerics& numerics) {
   return numerics.bulk_viscosity.value_or(default_bulk_viscosity(numerics.preset, numerics.order).value);
 }
 
-int default_choice(const Option& option, Preset preset) {
-  if (preset == Preset::paper && option.key == "collisional_form")
-    for (std::size_t i = 0; i < option.choices.size(); ++i)
-      if (option.choices[i].word == "rate") return int(i);
+int default_choice(const Option& option, Preset preset, bool confined) {
+  std::string_view word;
+  if (preset == Preset::paper && option.key == "collisional_form") word = "rate";
+  if (confined && option.key == "separated_grains") word = "colliding";
+  for (std::size_t i = 0; i < option.choices.size(); ++i)
+    if (option.choices[i].word == word) return int(i);
   return 0;
 }
 

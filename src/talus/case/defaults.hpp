@@ -27,7 +27,9 @@ Default default_bulk_viscosity(Preset preset, Order order);
 double bulk_viscosity_of(const Numerics& numerics);
 
 /// The number of the choice that an option of a law has under a preset.
-int default_choice(const Option& option, Preset preset);
+/// `confined`: of a sample whose stress is controlled. What presses on it keeps its grains together, so they collide also
+/// when they lose contact; material with a free surface is thrown off instead.
+int default_choice(const Option& option, Preset preset, bool confined = false);
 
 /// A law with the options of a preset; its parameters are still to be set.
 template <class Law>

@@ -13,7 +13,7 @@ inline constexpr Parameter friction{"friction", "1", Range::not_negative(),
                                     "Coulomb's coefficient: tangent of the angle of wall friction"};
 
 inline constexpr Parameter xi{"xi", "m/s2", Range::positive(),
-                              "Voellmy's coefficient of turbulent friction: what slides is held by rho g v^2/xi"};
+                              "turbulent friction of Voellmy: shear stress rho g v^2/xi at sliding speed v"};
 
 // [material.NAME]; those of laws stand with the law
 inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk density at the start"};
@@ -22,9 +22,9 @@ inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk 
 inline constexpr Parameter spacing{"spacing", "m", Range::positive(), "distance between particles at the start"};
 inline constexpr Parameter scatter{
     "scatter", "1", Range::between(0, 0.5),
-    "how far particles stand off the lattice, at random along each axis, over the spacing"};
+    "largest random offset of particles from the lattice along each axis, as a share of the spacing"};
 inline constexpr Parameter seed{"seed", "1", Range::between(0, std::numeric_limits<int>::max()),
-                                "which random places `scatter` takes"};
+                                "seed of the random positions of `scatter`"};
 constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio at the start"}; }
 
 // shapes
@@ -34,19 +34,23 @@ inline constexpr Parameter pixel{"pixel", "m", Range::positive(), "edge of a pix
 
 // [numerics]
 inline constexpr Parameter tau{"tau", "s", Range::positive(),
-                               "time in which velocity that the grid cannot hold decays"};
+                               "decay time of velocity fluctuations that the grid does not resolve"};
 /// Where nothing falls, nothing says how fast motion goes.
 inline constexpr Parameter tau_without_default{
     "tau", "s", Range::positive(),
-    "time in which velocity that the grid cannot hold decays: a hundredth of that of the motion; or take transfer = "
-    "\"apic\" for bodies that turn, \"flip\" for elastic waves"};
+    "decay time of velocity fluctuations that the grid does not resolve, about 1/100 of the duration of the motion; or "
+    "use "
+    "transfer = \"apic\" for bodies that rotate, \"flip\" for elastic waves"};
 inline constexpr Parameter flip_share{"flip_share", "1", Range::between(0, 1),
                                       "share of the particles' own velocity that is kept each step"};
 inline constexpr Parameter tolerance{"tolerance", "1", Range::between(1e-12, 0.1),
                                      "relative error of a substep of the integrator"};
 inline constexpr Parameter dt{"dt", "s", Range::positive(), "fixed time step; without it the step adapts"};
 inline constexpr Parameter cfl{
-    "cfl", "1", {0, 1, true, false}, "share of a cell that waves and particles may cross in a step"};
+    "cfl",
+    "1",
+    {0, 1, true, false},
+    "largest distance that waves and particles travel in a step, as a share of the cell size"};
 inline constexpr Parameter bulk_viscosity{
     "bulk_viscosity", "1", Range::between(0, 1),
     "damping of volume between neighbouring cells, as a share of critical damping, in laws whose stiffness follows "
@@ -55,7 +59,7 @@ inline constexpr Parameter stiffness_factor{
     "stiffness_factor",
     "1",
     {0, 1, true, false},
-    "multiplies the elastic stiffness of every material: below 1 steps are longer, waves slower"};
+    "factor on the elastic stiffness of every material: below 1 time steps are longer and waves slower"};
 
 // [run]
 inline constexpr Parameter end{"end", "s", Range::positive(), "simulated time at which the run ends"};
@@ -64,34 +68,35 @@ inline constexpr Parameter stop_below{
     "stop_below",
     "1",
     {0, 1, true, false},
-    "share of the largest kinetic energy so far below which the run ends; without it, at `end`"};
+    "the run ends when the kinetic energy falls below this share of its largest value; without it, at `end`"};
 
 // [output]
 inline constexpr Parameter snapshots{"snapshots", "s", Range::positive(), "time between snapshots"};
 inline constexpr Parameter history{"history", "s", Range::positive(), "time between rows of history.csv"};
 inline constexpr Parameter front_thickness{"front_thickness", "m", Range::positive(),
-                                           "how thick the deposit is where it ends: fronts are there"};
+                                           "thickness that defines the edge of the deposit"};
 inline constexpr Parameter peak_force_time{
     "peak_force_time", "s", Range::positive(),
     "time over which the force on a wall or solid is averaged before its peak is taken"};
 // [output.maps]
 inline constexpr Parameter map_interval{"interval", "s", Range::positive(),
-                                        "time between the instants that peaks are of"};
-inline constexpr Parameter least_thickness{"least_thickness", "m", Range::positive(),
-                                           "upright thickness from which on speed and arrival are told"};
+                                        "time between the instants of which maps take peaks"};
+inline constexpr Parameter least_thickness{
+    "least_thickness", "m", Range::positive(),
+    "vertical thickness above which material counts as flow, for maps of speed and arrival"};
 inline constexpr Parameter map_pixel{"pixel", "m", Range::positive(), "edge of the maps' pixels"};
 inline constexpr Parameter map_frames{"frames", "s", Range::positive(),
-                                      "time between the maps of thickness and speed that the report plays"};
+                                      "time between the maps of thickness and speed in the report"};
 // [thalweg]
 inline constexpr Parameter thalweg_width{"width", "m", Range::positive(),
-                                         "of the strip around it in which flow counts, half of it on either side"};
+                                         "width of the strip in which flow counts, half of it on either side"};
 /// Of a run until `end`; one of unknown length is not held against anything.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),
-          "instants of which pictures are made"};
+          "instants of the pictures"};
 }
 inline constexpr Parameter checkpoints{"checkpoints", "s", Range::positive(),
-                                       "simulated time between checkpoints, beside those by the clock"};
+                                       "simulated time between checkpoints, in addition to those by the clock"};
 inline constexpr Parameter checkpoint_wall{"checkpoint_wall", "s", Range::positive(),
                                            "time on the clock between checkpoints"};
 

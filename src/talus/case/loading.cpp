@@ -116,6 +116,13 @@ Controls triaxial_to(TriaxialDrainage drainage, int axis, double axial_stress) {
   return c;
 }
 
+Controls triaxial_to_q(TriaxialDrainage drainage, int axis, double q) {
+  Controls c = triaxial_to(drainage, axis, q);
+  for (int i : sides_of(axis)) c[std::size_t(axis)].of_stress[std::size_t(i)] = -0.5;
+  c[std::size_t(axis)].name = "q";
+  return c;
+}
+
 Controls simple_shear(ShearDrainage drainage, int plane, Course g) {
   Controls c = no_strain();
   c[3 + std::size_t(plane)] = strain_control(3 + plane, g.rate, g.acceleration);
@@ -129,6 +136,51 @@ Controls simple_shear_to(ShearDrainage drainage, int plane, double shear_stress)
   Controls c = simple_shear(drainage, plane, {});
   c[3 + std::size_t(plane)] = stress_to(3 + plane, shear_stress);
   return c;
+}
+
+bool controls_a_stress(const Segment& segment) {
+  return std::any_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
+    return std::any_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s != 0; });
+  });
+}
+
+std::string fault_of_strains(const Segment& segment) {
+  const auto fault = [&](int i, double strain) -> std::string {
+    const double most = i < 3 ? most_normal_strain : most_shear_strain;
+    if (std::abs(strain) <= most) return "";
+    return fmt::format("changes the strain {} by {:.3g}; at most {:g} is possible", component_names[i], strain, most);
+  };
+  std::array<double, 6> of_table{};
+  for (std::size_t k = 1; k < segment.history.size(); ++k)
+    for (std::size_t i = 0; i < 6; ++i) {
+      const RateInstant &a = segment.history[k - 1], &b = segment.history[k];
+      of_table[i] += 0.5 * (b.time - a.time) * (std::abs(a.rate[i]) + std::abs(b.rate[i]));
+    }
+  for (std::size_t i = 0; i < 6; ++i) {
+    const Control& c = segment.controls[i];
+    const bool of_stress = std::any_of(c.of_stress.begin(), c.of_stress.end(), [](double x) { return x != 0; });
+    if (of_stress) continue;
+    const double T = segment.duration;
+    const double strain =
+        segment.history.empty() ? std::max(std::abs(c.rate * T), std::abs(0.5 * c.acceleration * T * T)) : of_table[i];
+    if (std::string text = fault(int(i), strain); !text.empty()) return text;
+  }
+  return "";
+}
+
+std::vector<Segment> between_stresses(const Segment& segment, Measure measure, std::array<double, 2> values, int cycles,
+                                      double rate, double longest, const std::function<Controls(Course)>& controls_at) {
+  std::vector<Segment> segments;
+  for (int way = 0; way < 2 * cycles; ++way) {
+    const int here = way % 2, up = (values[std::size_t(here)] > values[std::size_t(1 - here)]) ? 1 : -1;
+    Segment part = segment;
+    part.rows = std::max(1, int(std::lround(segment.rows / (2.0 * cycles))));
+    part.duration = longest / rate;
+    part.controls = controls_at({up * rate, 0});
+    part.stops.push_back({measure, values[std::size_t(here)], up, true});
+    segments.push_back(std::move(part));
+  }
+  return segments;
 }
 
 std::vector<Segment> between_turning_points(const Segment& segment, const std::vector<double>& turning_points,

@@ -49,13 +49,19 @@ class Driver {
 
   ElementResult run() {
     name_columns();
-    report(0);
     double start = 0;
+    std::optional<int> ended;  // the group that a stop has ended
+    pore_at_start_ = test_.pore_pressure;
+    if (!test_.segments.empty()) laboratory_ = test_.segments[0].laboratory;
+    laboratory_.undrained = false;
     try {
+      report(0);
       for (const Segment& asked : test_.segments) {
+        if (ended == asked.group) continue;
         const Segment segment = completed(asked);
-        run_segment(segment, start);
-        start += segment.duration;
+        const End end = run_segment(segment, start);
+        start += end.time;
+        if (end.stop && !end.stop->turns) ended = segment.group;
       }
     } catch (const RunError& e) {
       result_.failure = e.what();
@@ -70,6 +76,15 @@ class Driver {
     Vector6 strain, rate;
     double outcome;
   };
+
+  /// Shortest step, as a share of the segment: as short as time can be resolved, because the time that the material needs
+  /// to respond has nothing to do with the length of the segment.
+  static constexpr double least_step = 1e-12;
+  /// More strain than this in one step means that the material fails; a shorter step will show.
+  static constexpr double longest_strain = 0.02;
+  static constexpr double longest_strain_at_once = 0.5;
+  /// Share of the segment below which a step that Newton's method cannot solve is solved by a search.
+  static constexpr double step_of_search = 1e-6;
 
   static Vector6 stress_of(const State& state) { return in_soil_sign(Law::total_stress(state)); }
   Vector6 stress(const Now& now) const { return stress_of(now.state); }
@@ -96,24 +111,35 @@ class Driver {
     return at_start + c.rate * t + 0.5 * c.acceleration * t * t;
   }
 
-  void run_segment(const Segment& segment, double start) {
+  /// How a segment ended: after its duration, or at a stop.
+  struct End {
+    double time;
+    const Stop* stop = nullptr;
+  };
+
+  End run_segment(const Segment& segment, double start) {
+    laboratory_ = segment.laboratory;
+    held_at_start_ = held_in_undrained(stress(now_));
     start_values_ = Vector6::Zero();
     const Vector6 s = stress(now_);
     for (int r = 0; r < 6; ++r)
       for (int i = 0; i < 6; ++i)
         start_values_[r] += segment.controls[r].of_strain[i] * now_.strain[i] + segment.controls[r].of_stress[i] * s[i];
     jacobian_known_ = false;
+    const End end = segment.stops.empty() ? End{segment.duration} : find_end(segment, start);
+    const auto row_time = [&](int row) {
+      return row == segment.rows ? end.time : segment.row_time(row) * (end.time / segment.duration);
+    };
     std::vector<double> stops = corners(segment);
-    for (int row = 1; row <= segment.rows; ++row) stops.push_back(segment.row_time(row));
+    std::erase_if(stops, [&](double t) { return t > end.time; });
+    for (int row = 1; row <= segment.rows && end.time > 0; ++row) stops.push_back(row_time(row));
     std::sort(stops.begin(), stops.end());
-    // A user chooses forward_euler to see its error: its steps are the rows.
-    const bool one_step =
-        straight(segment) && (test_.integration.scheme == Integrator::forward_euler ||
-                              (ControlsError<Law> && test_.integration.scheme == Integrator::modified_euler));
-    double t = 0, step = segment.row_time(1);
+    const bool one_step = takes_one_step(segment);
+    double t = 0, step = row_time(1);
     int next_row = 1;
     for (double stop : stops) {
-      if (stop <= t) {
+      // An instant of a table and a row may differ in their last digits; no step fits between them.
+      if (stop - t <= 1e-12 * stop) {
         if (stop < t) continue;
       } else if (one_step) {
         if (!advance(now_, segment, t, stop)) fail(segment, start, t);
@@ -123,17 +149,154 @@ class Driver {
         t = stop;
       }
       largest_stress_ = std::max(largest_stress_, norm(stress(now_)));
-      if (next_row <= segment.rows && stop == segment.row_time(next_row)) {
+      if (next_row <= segment.rows && stop == row_time(next_row)) {
         report(start + stop);
         ++next_row;
       }
     }
+    pore_at_start_ = pore_pressure(now_);
+    if (!end.stop)
+      for (const Stop& turn : segment.stops)
+        if (turn.turns)
+          throw RunError(
+              fmt::format("the turning point {:.4g} Pa of a cycle is not reached at t = {:.6g} s, after the "
+                          "longest way. The material may have failed; choose a smaller amplitude, or a `stop`.",
+                          turn.value, start + end.time));
+    return end;
   }
+
+  /// A user chooses forward_euler to see its error: its steps are the rows.
+  bool takes_one_step(const Segment& segment) const {
+    return straight(segment) && (test_.integration.scheme == Integrator::forward_euler ||
+                                 (ControlsError<Law> && test_.integration.scheme == Integrator::modified_euler));
+  }
+
+  // ---- what a laboratory measures --------------------------------------------------------------------------------
+
+  double lateral_stress(const Vector6& s) const { return 0.5 * (s.head<3>().sum() - s[laboratory_.axis]); }
+  /// The effective stress whose total is held in an undrained test.
+  double held_in_undrained(const Vector6& s) const {
+    return laboratory_.plane < 0 ? lateral_stress(s) : s[laboratory_.axis];
+  }
+  double pore_pressure(const Now& now) const {
+    return laboratory_.undrained ? pore_at_start_ + held_at_start_ - held_in_undrained(stress(now)) : pore_at_start_;
+  }
+  /// Von Mises stress with the sign of axial less lateral stress, or of the shear stress in a plane of shear.
+  double signed_q(const Now& now) const {
+    const Vector6 s = stress(now);
+    const double sign = laboratory_.plane < 0 ? s[laboratory_.axis] - lateral_stress(s) : s[3 + laboratory_.plane];
+    return std::copysign(von_mises(deviator(Law::total_stress(now.state))), sign);
+  }
+  double measure(const Now& now, Measure what) const {
+    const double p = pressure(Law::total_stress(now.state));
+    const int shear = 3 + std::max(laboratory_.plane, 0);
+    switch (what) {
+      case Measure::p: return p;
+      case Measure::q: return signed_q(now);
+      case Measure::eta: return p > 0 ? signed_q(now) / p : 0;
+      case Measure::axial_strain: return now.strain[laboratory_.axis];
+      case Measure::volumetric_strain: return now.strain.template head<3>().sum();
+      case Measure::shear_strain: return now.strain[shear];
+      case Measure::axial_stress: return stress(now)[laboratory_.axis];
+      case Measure::shear_stress: return stress(now)[shear];
+      case Measure::pore_pressure: return pore_pressure(now);
+    }
+    return 0;
+  }
+
+  // ---- stops -----------------------------------------------------------------------------------------------------
+
+  /// How far a state is from a stop, positive before it; the side of a stop without direction is where the segment starts.
+  struct Approach {
+    const Stop* stop;
+    double side, scale;
+  };
+  /// The stop that is nearest, and its distance relative to its value.
+  struct Nearest {
+    const Stop* stop = nullptr;
+    double distance = 1e300;
+  };
+  Nearest nearest_stop(std::vector<Approach>& approaches, const Now& now) const {
+    Nearest nearest;
+    for (Approach& a : approaches) {
+      const double left = a.stop->value - measure(now, a.stop->measure);
+      if (a.side == 0 && left != 0) a.side = left > 0 ? 1 : -1;
+      if (a.side != 0 && a.side * left / a.scale < nearest.distance) nearest = {a.stop, a.side * left / a.scale};
+    }
+    return nearest;
+  }
+
+  /// Where the first stop is reached, found by running the segment in steps that grow and shrink with the distance to it;
+  /// the state stays at the start.
+  End find_end(const Segment& segment, double start) {
+    std::vector<Approach> approaches;
+    for (const Stop& stop : segment.stops) {
+      const double size = std::max(std::abs(stop.value), std::abs(measure(now_, stop.measure)));
+      approaches.push_back({&stop, double(stop.direction), size > 0 ? size : 1});
+    }
+    Nearest nearest = nearest_stop(approaches, now_);
+    if (nearest.distance <= 0) return {0, nearest.stop};
+    const Now at_start = now_;
+    std::vector<double> turns = corners(segment);
+    turns.push_back(segment.duration);
+    const bool one_step = takes_one_step(segment);
+    const auto move = [&](double from, double to) {
+      if (one_step)
+        advance(now_, segment, from, to);
+      else
+        advance_with_error_control(segment, start, from, to, to - from);
+    };
+    End end{segment.duration};
+    try {
+      double t = 0, step = 1e-6 * segment.duration;
+      while (t < segment.duration && !end.stop) {
+        const double to = std::min(t + step, *std::upper_bound(turns.begin(), turns.end(), t));
+        const Now before = now_;
+        move(t, to);
+        const Nearest next = nearest_stop(approaches, now_);
+        if (next.distance <= 0) {
+          end = end_between(approaches, before, t, to, nearest.distance, next, move);
+          break;
+        }
+        const double change = std::abs(next.distance - nearest.distance) / nearest.distance;
+        step = std::min(step * (change > 0.5 ? 0.5 : change < 0.1 ? 2 : 1), segment.duration / 200);
+        nearest = next;
+        t = to;
+      }
+    } catch (const RunError&) {
+      end = {segment.duration};  // the segment itself will fail, with its rows
+    }
+    now_ = at_start;
+    jacobian_known_ = false;
+    return end;
+  }
+
+  /// Where a stop is reached between two instants, by regula falsi within bounds.
+  End end_between(std::vector<Approach>& approaches, const Now& before, double from, double to, double d_from,
+                  Nearest reached, const auto& move) {
+    double low = from, high = to, d_low = d_from;
+    for (int i = 0; i < 60 && high - low > 1e-13 * to && std::abs(reached.distance) > 1e-12; ++i) {
+      const double share = std::clamp(d_low / (d_low - reached.distance), 0.01, 0.99);
+      const double middle = i % 3 == 2 ? 0.5 * (low + high) : low + share * (high - low);
+      now_ = before;
+      move(from, middle);
+      const Nearest here = nearest_stop(approaches, now_);
+      if (here.distance <= 0) {
+        high = middle;
+        reached = here;
+      } else {
+        low = middle;
+        d_low = here.distance;
+      }
+    }
+    return {high, reached.stop};
+  }
+
+  // ---- steps -----------------------------------------------------------------------------------------------------
 
   /// From t to `stop` in steps whose error, the difference between one step and two halves, stays below the tolerance.
   /// Returns the length of the next step.
   double advance_with_error_control(const Segment& segment, double start, double t, double stop, double step) {
-    const double shortest = 1e-6 * segment.duration;
     // Controlled stresses are met to 1e-9, so smaller errors of steps cannot be resolved.
     const double tolerance = strain_only(segment) ? test_.tolerance : std::max(test_.tolerance, 5e-9);
     while (t < stop) {
@@ -145,17 +308,33 @@ class Driver {
                        advance(halves, segment, middle, end);
       const double scale = std::max(norm(stress(halves)), 1e-3 * largest_stress_);
       const double error = met ? (scale > 0 ? norm(stress(whole) - stress(halves)) / scale : 0) : 1e30;
-      if (error > tolerance && end - t > shortest) {
+      const double strain = norm(halves.strain - now_.strain);
+      if (!(error <= tolerance) &&
+          end - t > (met ? least_controlled(segment, strain, end - t) : least_step * segment.duration)) {
         step = (end - t) * (met ? std::clamp(0.9 * std::cbrt(tolerance / error), 0.1, 0.7) : 0.25);
         continue;
       }
-      if (!met) fail(segment, start, t);
+      if (!met) {
+        if (t == 0 && respond_at_once(segment)) {
+          step = segment.row_time(1);
+          continue;
+        }
+        fail(segment, start, t);
+      }
       now_ = halves;
       const double grown = (end - t) * std::clamp(0.9 * std::cbrt(tolerance / std::max(error, 1e-30)), 0.3, 3.0);
       step = end == stop ? std::max(step, grown) : grown;
       t = end;
     }
     return step;
+  }
+
+  /// Length of a step below which its error is accepted: where the response has a kink no step is short enough. A step that
+  /// strains the material noticeably is never that short, however long the segment.
+  static double least_controlled(const Segment& segment, double strain, double length) {
+    constexpr double noticeable = 1e-4;
+    return strain > noticeable ? std::min(step_of_search * segment.duration, 0.5 * length)
+                               : step_of_search * segment.duration;
   }
 
   /// One step. False if the controlled stresses cannot be met.
@@ -179,22 +358,25 @@ class Driver {
   struct MixedStep {
     const Now& from;
     const Segment& segment;
-    double end, dt;
+    double end, dt;  ///< a step of no duration: the rates of free strains stay what they were
     Vector6 demand;  ///< of the controls at the end
     double tight;    ///< error up to which a controlled stress is met [Pa]
+    double loose;  ///< the same where the response has jumps, by the substeps of a law, that are as large as this [Pa]
   };
 
   MixedStep mixed_step(const Now& now, const Segment& segment, double t, double end) const {
-    MixedStep step{now, segment, end, end - t, {}, 0};
+    MixedStep step{now, segment, end, end - t, {}, 0, 0};
     for (int r = 0; r < 6; ++r) step.demand[r] = value_at(segment, r, end);
     const double stress_scale = std::max(norm(stress(now)), 1e-6 * largest_stress_);
     step.tight = 1e-9 * std::max(stress_scale, 1e-12);
+    step.loose = std::max(step.tight, 1e-2 * test_.tolerance * stress_scale);
     return step;
   }
 
   Now moved(const MixedStep& step, const Vector6& increment) {
     Now next = step.from;
-    update(next, increment, rate_at(step.segment, step.end, increment / step.dt), step.dt);
+    const Vector6 free_rate = step.dt > 0 ? Vector6(increment / step.dt) : step.from.rate;
+    update(next, increment, rate_at(step.segment, step.end, free_rate), step.dt);
     return next;
   }
 
@@ -214,11 +396,12 @@ class Driver {
     return std::any_of(c.of_stress.begin(), c.of_stress.end(), [](double x) { return x != 0; });
   }
 
-  static bool is_met(const MixedStep& step, const Vector6& r) {
+  static bool is_met(const MixedStep& step, const Vector6& r, double error_of_stress) {
     for (int k = 0; k < 6; ++k)
-      if (!(std::abs(r[k]) <= (is_stress(step.segment.controls[k]) ? step.tight : 1e-14))) return false;
+      if (!(std::abs(r[k]) <= (is_stress(step.segment.controls[k]) ? error_of_stress : 1e-14))) return false;
     return true;
   }
+  static bool is_met(const MixedStep& step, const Vector6& r) { return is_met(step, r, step.tight); }
 
   /// Strain increment of the last rate, except for the strains that are controlled.
   Vector6 first_increment(const MixedStep& step) const {
@@ -250,11 +433,10 @@ class Driver {
     const Eigen::FullPivLU<Matrix6> lu(scaled);
     Vector6 change = -lu.solve(row_scale.cwiseInverse().cwiseProduct(r));
     if (!change.allFinite()) return std::nullopt;
-    // More strain than this in one step means that the material fails; a shorter step will show.
-    const double longest = 0.02, length = (increment + change).norm();
-    if (length > longest) {
-      if (increment.norm() >= 0.999 * longest) return std::nullopt;
-      change = (longest / length) * (increment + change) - increment;
+    const double length = (increment + change).norm();
+    if (length > longest_strain) {
+      if (increment.norm() >= 0.999 * longest_strain) return std::nullopt;
+      change = (longest_strain / length) * (increment + change) - increment;
     }
     return change;
   }
@@ -287,16 +469,148 @@ class Driver {
       r = trial_r;
     }
     if (!is_met(step, r)) {
-      note_missed_control(segment, r);
-      return false;
+      note_missed_control(segment, next, r);
+      return end - t <= step_of_search * segment.duration && advance_by_search(now, step);
     }
     now = next;
     return true;
   }
 
-  /// Keeps the controlled stress with the largest error, for the message.
-  void note_missed_control(const Segment& segment, const Vector6& r) {
+  /// Where prescribed rates jump at the start of a segment, collisions follow at once. Under a held stress contacts must
+  /// then gain or lose the difference at once, by a strain that takes no time: spread over a short step it would be a rate
+  /// whose collisions exceed the stress. False if nothing jumps, or there is no such strain.
+  bool respond_at_once(const Segment& segment) {
+    if (strain_only(segment) || rate_at(segment, 0, now_.rate) == now_.rate) return false;
+    Now next = now_;
+    if (!advance_by_search(next, mixed_step(now_, segment, 0, 0))) return false;
+    now_ = next;
+    return true;
+  }
+
+  /// The step once more, where Newton's method has failed although the step is short: where contacts are lost or a rate
+  /// jumps the response has kinks, and the root is bracketed, or approached by a residual that only decreases.
+  bool advance_by_search(Now& now, const MixedStep& step) {
+    std::optional<Now> found = advance_by_bracket(step);
+    if (!found) found = advance_downhill(step);
+    if (found) now = *found;
+    return found.has_value();
+  }
+
+  /// The only strain component that is not controlled on its own, and the control that takes its place.
+  struct FreeStrain {
+    int component, control;
+  };
+  static std::optional<FreeStrain> only_free_strain(const Segment& segment) {
+    std::optional<FreeStrain> free;
+    for (int i = 0; i < 6; ++i) {
+      const auto single = [&](const Control& c) { return is_strain(c, i); };
+      if (std::any_of(segment.controls.begin(), segment.controls.end(), single)) continue;
+      if (free) return std::nullopt;
+      free = FreeStrain{i, 0};
+    }
+    for (int k = 0; k < 6 && free; ++k)
+      if (is_stress(segment.controls[k])) free->control = k;
+    return free;
+  }
+
+  /// With one free strain: the root nearest to the strain of the last rate, from a change of sign.
+  std::optional<Now> advance_by_bracket(const MixedStep& step) {
+    const std::optional<FreeStrain> free = only_free_strain(step.segment);
+    if (!free) return std::nullopt;
+    Vector6 increment = first_increment(step);
+    const double start = increment[free->component];
+    Now next = step.from;
+    const auto residual_at = [&](double strain) {
+      increment[free->component] = strain;
+      next = moved(step, increment);
+      return residual(step, next)[free->control];
+    };
+    struct Point {
+      double x, r;
+    };
+    Point low{start, residual_at(start)}, high = low;
+    const auto bracketed = [&] { return (low.r < 0) != (high.r < 0); };
+    Point a = low, b = low;
+    for (double away = std::max(1e-3 * increment.norm(), 1e-13); !bracketed(); away *= 2) {
+      if (!(away < (step.dt > 0 ? longest_strain : longest_strain_at_once))) return std::nullopt;
+      const Point below{start - away, residual_at(start - away)}, above{start + away, residual_at(start + away)};
+      if ((below.r < 0) != (low.r < 0)) {
+        a = below, b = low;
+        break;
+      }
+      if ((above.r < 0) != (high.r < 0)) {
+        a = high, b = above;
+        break;
+      }
+      low = below, high = above;
+    }
+    // Regula falsi (Illinois), with a bisection where it does not halve the bracket in three steps.
+    double wide = b.x - a.x;
+    int side = 0;
+    for (int i = 0; i < 400; ++i) {
+      double x = a.x - a.r * (b.x - a.x) / (b.r - a.r);
+      if (i % 3 == 2 && b.x - a.x > 0.5 * wide) x = 0.5 * (a.x + b.x);
+      if (i % 3 == 2) wide = b.x - a.x;
+      const bool resolved = x > a.x && x < b.x;
+      if (!resolved) x = 0.5 * (a.x + b.x);
+      const double r = residual_at(x);
+      if (std::abs(r) <= step.tight) return next;
+      const bool last = !(x > a.x && x < b.x) || b.x - a.x < 1e-20;  // no strain is smaller
+      if (last) {
+        if (std::abs(r) <= step.loose) return next;
+        for (const Point& end : {a, b}) {  // the stress jumps here
+          residual_at(end.x);
+          separated_ = separated_ || carries_nothing(next);
+        }
+        return std::nullopt;
+      }
+      if ((r < 0) == (a.r < 0)) {
+        a = {x, r};
+        if (side < 0) b.r *= 0.5;
+        side = -1;
+      } else {
+        b = {x, r};
+        if (side > 0) a.r *= 0.5;
+        side = 1;
+      }
+    }
+    return std::nullopt;
+  }
+
+  /// Newton's method with a new Jacobian in every iteration, whose changes are cut until the residual decreases.
+  std::optional<Now> advance_downhill(const MixedStep& step) {
+    Vector6 increment = first_increment(step);
+    Now next = moved(step, increment);
+    Vector6 r = residual(step, next);
+    for (int iteration = 0; iteration < 40 && !is_met(step, r); ++iteration) {
+      find_jacobian(step, increment, r);
+      const std::optional<Vector6> newton = newton_change(increment, r);
+      if (!newton) break;
+      Vector6 change = *newton;
+      bool lower = false;
+      for (int cut = 0; cut < 30 && !lower; ++cut, change *= 0.5) {
+        const Now trial = moved(step, increment + change);
+        const Vector6 trial_r = residual(step, trial);
+        lower = trial_r.norm() < r.norm();
+        if (!lower) continue;
+        increment += change;
+        next = trial;
+        r = trial_r;
+      }
+      if (!lower) break;
+    }
     jacobian_known_ = false;
+    return is_met(step, r, step.loose) ? std::optional<Now>(next) : std::nullopt;
+  }
+
+  bool carries_nothing(const Now& now) const {
+    return now.outcome == double(Outcome::separated) && norm(stress(now)) == 0;
+  }
+
+  /// Keeps the controlled stress with the largest error, for the message.
+  void note_missed_control(const Segment& segment, const Now& next, const Vector6& r) {
+    jacobian_known_ = false;
+    separated_ = carries_nothing(next);
     worst_ = 0;
     for (int k = 0; k < 6; ++k)
       if (is_stress(segment.controls[k]) && !(std::abs(r[k]) <= std::abs(r[worst_]))) worst_ = k;
@@ -304,13 +618,15 @@ class Driver {
   }
 
   [[noreturn]] void fail(const Segment& segment, double start, double t) {
-    throw RunError(
-        fmt::format("the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {} missing "
-                    "in the smallest step. "
-                    "The material may have failed or lost its pressure there; control a strain instead, or end the "
-                    "segment earlier.",
-                    segment.controls[worst_].name, start + t, t, segment.duration,
-                    std::isfinite(missed_) ? fmt::format("{:.4g} Pa are", std::abs(missed_)) : "a finite stress is"));
+    const std::string_view advice =
+        separated_ ? "The grains separate there, and the law carries no stress across the gap between them."
+                   : "The material may have failed or lost its pressure there; control a strain instead, or end the "
+                     "segment earlier.";
+    throw RunError(fmt::format(
+        "the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {} missing "
+        "in the smallest step. {}",
+        segment.controls[worst_].name, start + t, t, segment.duration,
+        std::isfinite(missed_) ? fmt::format("{:.4g} Pa are", std::abs(missed_)) : "a finite stress is", advice));
   }
 
   void name_columns() {
@@ -328,6 +644,11 @@ class Driver {
     tensor("stress", "Pa", "total stress, compression-positive");
     column("p", "Pa", "mean pressure of the total stress");
     column("q", "Pa", "von Mises stress of the total stress");
+    column("axial_strain", "%", "strain along the axis of the test");
+    column("volumetric_strain", "%", "volumetric strain, compression-positive");
+    column("q_signed", "Pa", "q with the sign of axial less lateral stress, or of the shear stress in simple shear");
+    column("eta", "1", "q_signed/p; 0 without pressure");
+    column("pore_pressure", "Pa", "pore pressure where the lateral (in simple shear: normal) total stress is held");
     for (const auto& q : Law::quantities()) {
       if (q.components == 6)
         tensor(std::string(q.name), std::string(q.unit), std::string(q.meaning) + ", compression-positive");
@@ -338,6 +659,9 @@ class Driver {
   }
 
   void report(double time) {
+    if (!now_.strain.allFinite() || !stress(now_).allFinite())
+      throw RunError(fmt::format(
+          "the stress is not finite at t = {:.6g} s; a parameter, a stress or a strain is too large", time));
     std::vector<double> row{time};
     const auto six = [&](const Vector6& v) { row.insert(row.end(), v.begin(), v.end()); };
     six(now_.strain);
@@ -346,6 +670,11 @@ class Driver {
     const SymTensor<double> total = Law::total_stress(now_.state);
     row.push_back(pressure(total));
     row.push_back(von_mises(deviator(total)));
+    row.push_back(100 * measure(now_, Measure::axial_strain));
+    row.push_back(100 * measure(now_, Measure::volumetric_strain));
+    row.push_back(signed_q(now_));
+    row.push_back(measure(now_, Measure::eta));
+    row.push_back(pore_pressure(now_));
     for (const auto& q : Law::quantities()) {
       double v[6];
       q.evaluate(law_, now_.state, from_soil_sign(now_.rate), v);
@@ -355,6 +684,9 @@ class Driver {
         row.push_back(v[0]);
     }
     row.push_back(now_.outcome);
+    if constexpr (MayReturnWork<Law>)
+      result_.n_returning +=
+          collisional_dissipation(Law::collisional_stress(now_.state), from_soil_sign(now_.rate)) < 0;
     for (double& value : row) value += 0.0;  // -0 becomes 0
     result_.rows.push_back(std::move(row));
   }
@@ -363,11 +695,14 @@ class Driver {
   const Law& law_;
   Now now_;
   Vector6 start_values_;
+  Laboratory laboratory_;
+  double pore_at_start_ = 0, held_at_start_ = 0;  ///< pore pressure, and effective stress whose total is held [Pa]
   Matrix6 jacobian_;
   bool jacobian_known_ = false;
   double largest_stress_ = 0;
   int worst_ = 0;
   double missed_ = 0;
+  bool separated_ = false;  ///< whether the material carried no stress where the control was missed
   ElementResult result_;
 };
 

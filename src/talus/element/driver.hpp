@@ -14,6 +14,7 @@ namespace talus {
 struct ElementResult : ResultTable {
   long n_updates = 0;  ///< calls of the law
   long n_unconverged = 0;
+  long n_returning = 0;  ///< rows in which collisions return work of shear (see MayReturnWork)
 };
 
 /// Runs a test. Throws InputError if the initial state is impossible.

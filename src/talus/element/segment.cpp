@@ -18,11 +18,7 @@ TableMotion follow(const std::vector<RateInstant>& table, double t) {
   return m;
 }
 
-bool strain_only(const Segment& segment) {
-  return std::all_of(segment.controls.begin(), segment.controls.end(), [](const Control& c) {
-    return std::all_of(c.of_stress.begin(), c.of_stress.end(), [](double s) { return s == 0; });
-  });
-}
+bool strain_only(const Segment& segment) { return !controls_a_stress(segment); }
 
 bool straight(const Segment& segment) {
   if (!segment.history.empty() || !strain_only(segment)) return false;

@@ -5,34 +5,16 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <sstream>
 #include <stdexcept>
 
 #include "talus/base/text.hpp"
+#include "talus/input/tables.hpp"
 
 namespace talus {
 
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Replaces what `over` names; tables are merged, everything else is replaced whole.
-void merge(toml::table& into, const toml::table& over) {
-  for (auto&& [key, value] : over) {
-    const toml::table* inner = value.as_table();
-    toml::table* old = into.get_as<toml::table>(key.str());
-    if (inner && old)
-      merge(*old, *inner);
-    else
-      into.insert_or_assign(key.str(), value);
-  }
-}
-
-std::string as_text(const toml::table& table) {
-  std::ostringstream text;
-  text << toml::toml_formatter(table) << "\n";
-  return text.str();
-}
 
 std::optional<NumberTable> read_measured(Section& curve, const std::string& folder, std::string& label) {
   if (!curve.has("measured")) return std::nullopt;
@@ -50,18 +32,6 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
   } catch (const std::runtime_error& e) {
     s.complain(e.what());
     return std::nullopt;
-  }
-}
-
-/// Paths of files that a case names and that stand beside it, made absolute: the case is run from another folder.
-void make_paths_absolute(toml::table& table, const fs::path& folder) {
-  for (auto&& [key, value] : table) {
-    if (toml::table* inner = value.as_table()) make_paths_absolute(*inner, folder);
-    const std::string_view name = key.str();
-    if (name != "raster" && name != "polygons" && name != "top" && name != "file" && name != "projection") continue;
-    toml::value<std::string>* path = value.as_string();
-    if (path && fs::is_regular_file(folder / path->get()))
-      path->get() = fs::absolute(folder / path->get()).lexically_normal().string();
   }
 }
 

@@ -1,6 +1,7 @@
 #include "talus/geometry/region.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -357,6 +358,27 @@ double length_above(const Region& region, const Vec<3>& x, int dim) {
             return of_span(bottom, bottom + thickness_at(l, x));
           }},
       region);
+}
+
+std::optional<std::pair<std::size_t, std::size_t>> coincident_points(const PointList& list, int dim) {
+  const double edge = std::pow(*std::min_element(list.volumes.begin(), list.volumes.end()), 1.0 / dim);
+  std::optional<std::pair<std::size_t, std::size_t>> first;
+  // Points are sorted by the boxes of a fine raster that they lie in; the second raster is half a box apart, for points
+  // on either side of a border of the first.
+  for (const double shift : {0.0, 0.5}) {
+    std::vector<std::pair<std::array<double, 3>, std::size_t>> boxes;
+    for (std::size_t i = 0; i < list.places.size(); ++i) {
+      std::array<double, 3> box{};
+      for (int a = 0; a < dim; ++a) box[std::size_t(a)] = std::floor(list.places[i][a] / (0.01 * edge) + shift);
+      boxes.emplace_back(box, i);
+    }
+    std::sort(boxes.begin(), boxes.end());
+    for (std::size_t k = 1; k < boxes.size(); ++k) {
+      const std::size_t a = boxes[k - 1].second, b = boxes[k].second;
+      if (boxes[k - 1].first == boxes[k].first && (!first || b < first->second)) first = {a, b};
+    }
+  }
+  return first;
 }
 
 std::string fault(const Region& region, int dim) {

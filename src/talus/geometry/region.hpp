@@ -2,7 +2,9 @@
 /// Shapes that bodies are cut from. Lengths in m; in plane strain the third coordinate does not count.
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -105,6 +107,10 @@ double volume_per_radian(const Region& region);
 /// How much of the vertical line from a point upwards lies in a shape [m]; a line along its boundary does. Listed points
 /// have no shape: zero.
 double length_above(const Region& region, const Vec<3>& x, int dim);
+
+/// Numbers of two points at the same place, to within a hundredth of the edge of the smallest particle; none if there are no
+/// such points. Not for an empty list.
+std::optional<std::pair<std::size_t, std::size_t>> coincident_points(const PointList& list, int dim);
 
 /// Reason the shape is invalid; empty if valid.
 std::string fault(const Region& region, int dim);

@@ -9,13 +9,13 @@ namespace talus {
 enum class WallKind { open, outflow, slip, no_slip, friction, rough, symmetry, periodic };
 inline constexpr Choice wall_choices[] = {
     {"open", "no wall; a particle that leaves here stops the run"},
-    {"outflow", "no wall; what leaves here is gone, and the ledger says what it took along"},
-    {"slip", "smooth: nothing passes, nothing is held along the wall"},
-    {"no_slip", "material at the wall sticks to it"},
-    {"friction", "Coulomb: held along the wall by `friction` times what presses on it, at most"},
-    {"rough", "`friction` with that of the material on itself, sheared on and on: a bed of the same grains"},
-    {"symmetry", "plane of symmetry: smooth; a body may reach through it and is cut there"},
-    {"periodic", "what leaves here comes in at the opposite side, which is periodic too"},
+    {"outflow", "open boundary; material that leaves is removed and booked in the energy balance"},
+    {"slip", "frictionless, impermeable"},
+    {"no_slip", "material sticks to the wall"},
+    {"friction", "Coulomb friction: the shear stress is at most `friction` times the normal stress"},
+    {"rough", "Coulomb friction with the critical friction of the material, as on a bed of the same grains"},
+    {"symmetry", "plane of symmetry: frictionless; a body may reach through it and is cut there"},
+    {"periodic", "material that leaves enters at the opposite side, which must be periodic too"},
 };
 /// Whether there is nothing on such a side.
 TALUS_HD constexpr bool is_passable(WallKind kind) {
@@ -30,7 +30,7 @@ inline constexpr Choice ground_choices[] = {
     wall_choices[3],
     wall_choices[4],
     wall_choices[5],
-    {"voellmy", "`friction` and, growing with the squared speed, turbulent friction rho g v^2/xi (Voellmy 1955)"}};
+    {"voellmy", "Coulomb friction and turbulent friction rho g v^2/xi (Voellmy 1955)"}};
 inline constexpr WallKind contact_kinds[] = {WallKind::slip, WallKind::no_slip, WallKind::friction, WallKind::rough};
 
 /// What the surface of a wall or of a solid does to material that meets it.

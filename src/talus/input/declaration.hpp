@@ -21,6 +21,7 @@ struct Flag {
 };
 struct Text {
   std::string_view key, meaning;
+  std::size_t most_bytes = 20000;  ///< a projection as WKT has some thousand
 };
 
 inline constexpr int one_per_axis = -1;  ///< two or three

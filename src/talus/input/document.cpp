@@ -77,6 +77,10 @@ Document::Document(const std::string& path) : Document(path, read_text(path)) {}
 Document::Document(const std::string& name, std::string_view text) : name_(name), root_(parse(name, text)) {}
 
 void Document::complain(const toml::source_region& where, std::string text) {
+  if (where.path && *where.path != name_) {  // a value that was replaced
+    complaints_.push_back({printable(*where.path), 0, 0, printable(text)});
+    return;
+  }
   const toml::source_position& at = where.begin ? where.begin : root_.source().begin;  // a section that is not there
   complaints_.push_back({name_, int(at.line), int(at.column), printable(text)});
 }

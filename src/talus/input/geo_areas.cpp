@@ -1,5 +1,12 @@
+/// What needs no library of maps: polygons on rasters, parts of rasters, checks of files.
+
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
 
 #include "talus/input/geodata.hpp"
 
@@ -116,6 +123,59 @@ void make_relative(GeoPolygons& polygons, Vec<2> origin) {
 
 void make_relative(GeoLine& line, Vec<2> origin) {
   for (Vec<2>& point : line.points) point = point - origin;
+}
+
+PlanRaster cropped(const PlanRaster& raster, Vec<2> low, Vec<2> high) {
+  int first[2], last[2];  // of the pixels, the last included
+  const int n[2] = {raster.columns, raster.rows};
+  for (int a = 0; a < 2; ++a) {
+    // An edge that lies on one of the raster's, but for rounding, is there.
+    const double from = (low[a] - raster.corner[a]) / raster.pixel, to = (high[a] - raster.corner[a]) / raster.pixel;
+    const double begin = std::max(0.0, std::floor(from + 1e-6)), end = std::min(double(n[a]), std::ceil(to - 1e-6));
+    if (!(begin < end))
+      throw std::runtime_error(fmt::format(
+          "the rectangle from ({:.10g}, {:.10g}) to ({:.10g}, {:.10g}) holds no pixel of a raster that reaches from "
+          "({:.10g}, {:.10g}) to ({:.10g}, {:.10g})",
+          low[0], low[1], high[0], high[1], raster.corner[0], raster.corner[1], raster.far_corner()[0],
+          raster.far_corner()[1]));
+    first[a] = int(begin);
+    last[a] = int(end) - 1;
+  }
+  PlanRaster part =
+      PlanRaster::of({raster.corner[0] + first[0] * raster.pixel, raster.corner[1] + first[1] * raster.pixel},
+                     raster.pixel, last[0] - first[0] + 1, last[1] - first[1] + 1);
+  for (int row = 0; row < part.rows; ++row)
+    for (int column = 0; column < part.columns; ++column)
+      part.at(column, row) = raster.at(first[0] + column, first[1] + row);
+  return part;
+}
+
+void make_relative(PlanRaster& raster, Vec<2> origin) { raster.corner = raster.corner - origin; }
+
+void expect_geodata(const std::string& path, const std::string& remedy, std::uintmax_t most) {
+  std::error_code failure;
+  namespace fs = std::filesystem;
+  const fs::file_status status = fs::status(path, failure);
+  if (!fs::exists(status)) throw std::runtime_error(fmt::format("cannot open {}: no such file", path));
+  if (fs::is_directory(status)) throw std::runtime_error(fmt::format("{} is a folder; name a file in it", path));
+  if (!fs::is_regular_file(status)) throw std::runtime_error(fmt::format("{} is no ordinary file", path));
+  // GDAL takes such a path for one of its own file systems, some of which are networks.
+  if (fs::absolute(path).string().rfind("/vsi", 0) == 0)
+    throw std::runtime_error(fmt::format("{} lies in a folder whose name begins with /vsi; move it", path));
+  const std::uintmax_t size = fs::file_size(path, failure);
+  if (failure) throw std::runtime_error(fmt::format("cannot open {}: {}", path, failure.message()));
+  if (size > most)
+    throw std::runtime_error(fmt::format("{} has {:.3g} GB, and at most {:.3g} GB are read; {}", path,
+                                         double(size) / 1e9, double(most) / 1e9, remedy));
+  std::ifstream in(path, std::ios::binary);
+  char first[2] = {};
+  if (!in) throw std::runtime_error(fmt::format("{} cannot be read", path));
+  in.read(first, 2);
+  if (in.gcount() == 0) throw std::runtime_error(fmt::format("{} is empty", path));
+  const std::string_view magic(first, 2);
+  if (magic == "\x1f\x8b")
+    throw std::runtime_error(fmt::format("{} is compressed; unpack it first: gunzip {}", path, path));
+  if (magic == "PK") throw std::runtime_error(fmt::format("{} is compressed; unpack it first: unzip {}", path, path));
 }
 
 }  // namespace talus

@@ -35,10 +35,6 @@ class GeoLibrary {
   Said said_;
 };
 
-/// Throws unless there is a file at `path` that has so many bytes at most and is not compressed. `remedy`: what to do with
-/// a larger one.
-void expect_geodata(const std::string& path, const std::string& remedy, std::uintmax_t most = most_geodata_bytes);
-
 /// Throws unless a projection has coordinates in metres. `middle`: of what the file shows, to name a projection that
 /// suits; `convert`: the command that projects such files, "gdalwarp" or "ogr2ogr".
 void expect_metres(const OGRSpatialReference& projection, const std::string& path, const std::string& convert,

@@ -206,31 +206,4 @@ GeoRaster read_geo_raster(const std::string& path, double metres_per_unit, Raste
   return read;
 }
 
-PlanRaster cropped(const PlanRaster& raster, Vec<2> low, Vec<2> high) {
-  int first[2], last[2];  // of the pixels, the last included
-  const int n[2] = {raster.columns, raster.rows};
-  for (int a = 0; a < 2; ++a) {
-    // An edge that lies on one of the raster's, but for rounding, is there.
-    const double from = (low[a] - raster.corner[a]) / raster.pixel, to = (high[a] - raster.corner[a]) / raster.pixel;
-    const double begin = std::max(0.0, std::floor(from + 1e-6)), end = std::min(double(n[a]), std::ceil(to - 1e-6));
-    if (!(begin < end))
-      throw std::runtime_error(fmt::format(
-          "the rectangle from ({:.10g}, {:.10g}) to ({:.10g}, {:.10g}) holds no pixel of a raster that reaches from "
-          "({:.10g}, {:.10g}) to ({:.10g}, {:.10g})",
-          low[0], low[1], high[0], high[1], raster.corner[0], raster.corner[1], raster.far_corner()[0],
-          raster.far_corner()[1]));
-    first[a] = int(begin);
-    last[a] = int(end) - 1;
-  }
-  PlanRaster part =
-      PlanRaster::of({raster.corner[0] + first[0] * raster.pixel, raster.corner[1] + first[1] * raster.pixel},
-                     raster.pixel, last[0] - first[0] + 1, last[1] - first[1] + 1);
-  for (int row = 0; row < part.rows; ++row)
-    for (int column = 0; column < part.columns; ++column)
-      part.at(column, row) = raster.at(first[0] + column, first[1] + row);
-  return part;
-}
-
-void make_relative(PlanRaster& raster, Vec<2> origin) { raster.corner = raster.corner - origin; }
-
 }  // namespace talus

@@ -16,6 +16,13 @@ namespace talus {
 inline constexpr std::uintmax_t most_geodata_bytes = std::uintmax_t(2) << 30;
 inline constexpr double most_raster_pixels = 1 << 28;
 
+/// Throws std::runtime_error if this build cannot read maps.
+void expect_map_reader();
+
+/// Throws unless there is a file at `path` that has so many bytes at most and is not compressed. `remedy`: what to do with
+/// a larger one.
+void expect_geodata(const std::string& path, const std::string& remedy, std::uintmax_t most = most_geodata_bytes);
+
 /// A raster of the map, in the coordinates of its projection.
 struct GeoRaster {
   PlanRaster raster;       ///< values in m

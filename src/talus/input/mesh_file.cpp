@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "talus/base/text.hpp"
-#include "talus/input/geo_library.hpp"
+#include "talus/input/geodata.hpp"
 
 namespace talus {
 

@@ -8,6 +8,7 @@
 #include "talus/case/case.hpp"
 #include "talus/case/estimate.hpp"
 #include "talus/case/loading.hpp"
+#include "talus/input/overrides.hpp"
 
 namespace talus {
 
@@ -28,9 +29,9 @@ struct ElementTestFile {
   std::vector<Understood> understood;
 };
 
-/// Reads and checks a file. Throws InputError with every mistake at once.
-CaseFile read_case(const std::string& path);
-ElementTestFile read_element_test(const std::string& path);
+/// Reads and checks a file, in which some values are replaced first. Throws InputError with every mistake at once.
+CaseFile read_case(const std::string& path, const std::vector<Override>& overrides = {});
+ElementTestFile read_element_test(const std::string& path, const std::vector<Override>& overrides = {});
 
 /// The same from a text; `name` stands for the file in messages, `folder` is where files it names are looked for. If it
 /// is empty, a case looks in the folder of `name`.

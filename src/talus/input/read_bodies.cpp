@@ -9,7 +9,7 @@ namespace talus {
 namespace {
 
 constexpr Text material_of_body{"material", "name of the body's material"};
-constexpr Option lattice{"lattice", "where the particles stand", lattice_choices};
+constexpr Option lattice{"lattice", "arrangement of the particles at the start", lattice_choices};
 constexpr WholeNumber seed{keys::seed};
 constexpr Numbers velocity{{"velocity", "m/s", {}, "velocity at the start"}, one_per_axis};
 constexpr Parameter spin{
@@ -81,7 +81,7 @@ void read_filled(Section& s, const Case& case_, const std::string& folder, BodyS
   if (body.lattice != Lattice::blue_noise)
     body.scatter = s.number(keys::scatter, BodySpec{}.scatter);
   else if (s.has("scatter"))
-    s.complain("scatter", "has no meaning with lattice = \"blue_noise\": no particle stands in a row");
+    s.complain("scatter", "has no meaning with lattice = \"blue_noise\": it has no rows");
   if (body.scatter > 0 || body.lattice == Lattice::blue_noise)
     body.seed = s.whole_number(seed, BodySpec{}.seed);
   else if (s.has("seed"))

@@ -8,7 +8,7 @@ namespace talus {
 
 namespace {
 
-constexpr Text title_of_case{"title", "what the case is, in one line"};
+constexpr Text title_of_case{"title", "what the case is, in one line", 200};
 
 const Declaration& run_declaration() {
   static const Declaration d("[run]", {required(keys::end), optional(keys::stop_below)});
@@ -62,8 +62,9 @@ CaseFile read_case_text(const std::string& name, std::string_view text, const st
   return {std::move(case_), std::move(document.understood())};
 }
 
-CaseFile read_case(const std::string& path) {
+CaseFile read_case(const std::string& path, const std::vector<Override>& overrides) {
   Document document(path);
+  document.replace(overrides);
   Case case_ = understand_case(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(case_), std::move(document.understood())};

@@ -26,7 +26,7 @@ const Declaration& walls_declaration() {
   }();
   return d;
 }
-constexpr Table walls_table{"walls", "what stands on the sides of the domain", walls_declaration};
+constexpr Table walls_table{"walls", "boundary conditions on the sides of the domain", walls_declaration};
 
 /// Over a terrain what leaves is gone; elsewhere it stops the run.
 void read_walls(Section& domain, bool on_terrain, Case& case_) {

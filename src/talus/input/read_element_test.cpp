@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 
 #include "talus/case/material.hpp"
@@ -12,7 +13,7 @@ namespace {
 
 /// A component of a stress, compression-positive.
 constexpr Parameter component_of_stress(int i) {
-  return {component_names[i], "Pa", {}, "component of the stress, compression-positive"};
+  return {component_names[i], "Pa", stresses, "component of the stress, compression-positive"};
 }
 /// All components; the first `n_required` of them must be there.
 Declaration declaration_of_stress(int n_required) {
@@ -30,13 +31,13 @@ const Declaration& collisional_stress_declaration() {
   return d;
 }
 
-constexpr Parameter isotropic_pressure{"pressure", "Pa", Range::not_negative(), "isotropic pressure"},
-    background_pressure{"background_pressure", "Pa", Range::not_negative(),
-                        "constant pressure of contacts that are not modelled"},
+constexpr Parameter isotropic_pressure{"pressure", "Pa", pressures, "isotropic pressure"},
+    pore_pressure{"pore_pressure", "Pa", stresses, "pore pressure before the test; the stress of the law is effective"},
+    background_pressure{"background_pressure", "Pa", pressures, "constant pressure of contacts that are not modelled"},
     kappa{"kappa", "1", Range::not_negative(),
           "accumulated plastic deviatoric strain; without it, the least that carries the stress"};
 constexpr Parameter void_ratio(const Range& of_law) { return {"void_ratio", "1", of_law, "void ratio"}; }
-constexpr Table stress_at_start{"stress", "stress of lasting contacts, compression-positive",
+constexpr Table stress_at_start{"stress", "stress of enduring contacts, compression-positive",
                                 present_stress_declaration},
     collisional_stress{"collisional_stress", "stress of collisions at the start, compression-positive",
                        collisional_stress_declaration};
@@ -44,7 +45,7 @@ constexpr Table stress_at_start{"stress", "stress of lasting contacts, compressi
 const Declaration& initial_declaration() {
   static const Declaration d = [] {
     std::vector<Entry> all = {depends(isotropic_pressure), optional(stress_at_start), depends(background_pressure),
-                              optional(kappa), optional(collisional_stress)};
+                              optional(pore_pressure),     optional(kappa),           optional(collisional_stress)};
     Laws::for_each([&]<class Law>() {
       if constexpr (HasVoidRatio<Law>) all.push_back(depends(void_ratio(Law::void_ratios)));
     });
@@ -66,7 +67,7 @@ const Declaration& law_declaration() {
   return d;
 }
 
-constexpr Text title_of_test{"title", "what the test is, in one line"};
+constexpr Text title_of_test{"title", "what the test is, in one line", 200};
 constexpr Table material_table{"material", "the law and its parameters", law_declaration},
     initial{"initial", "the state before the test", initial_declaration},
     driver{"driver", "how the test is integrated", driver_declaration};
@@ -90,13 +91,15 @@ SymTensor<double> read_initial_stress(Section& s) {
   return read_stress(s, stress_at_start, 3);
 }
 
-InitialState read_initial(Section& root, const AnyLaw& law) {
+InitialState read_initial(Section& root, ElementTest& test) {
   Section s = root.section(initial);
+  const AnyLaw& law = test.law;
   InitialState state;
   if (has_lasting_contacts(law))
     state.stress = read_initial_stress(s);
   else
     state.background_pressure = s.number(background_pressure);
+  test.pore_pressure = s.number(pore_pressure, 0);
   if (const std::optional<Range> range = void_ratios_of(law)) {
     state.void_ratio = s.number(void_ratio(*range));
     if (const std::string why = fault_of_void_ratio(law, state.void_ratio); !why.empty()) s.complain("void_ratio", why);
@@ -129,17 +132,42 @@ const Declaration& element_test_declaration() {
   return d;
 }
 
+/// The loading path, before the rest: it decides on a default of the law. What was understood of it comes last, as in files.
+std::vector<Segment> read_path(Document& document, Section& root, const std::string& folder, auto read_rest) {
+  std::vector<Segment> path;
+  const auto n_before = std::ptrdiff_t(document.understood().size());
+  bool any_named = false;
+  for (Section& s : root.list_of_sections(segments)) {
+    const std::size_t n = path.size();
+    add_segments(s, folder, path);
+    if (any_named || !s.has("test")) continue;
+    any_named = true;  // what comes before the first test by name is seen along its axis
+    Laboratory view = path.back().laboratory;
+    view.undrained = false;
+    for (std::size_t i = 0; i < n; ++i) path[i].laboratory = view;
+  }
+  const auto n_path = std::ptrdiff_t(document.understood().size()) - n_before;
+  read_rest(path);
+  auto& all = document.understood();
+  std::rotate(all.begin() + n_before, all.begin() + n_before + n_path, all.end());
+  return path;
+}
+
 ElementTest understand_element_test(Document& document, const std::string& folder) {
   ElementTest test;
   Section root = Section::root(document, &element_test_declaration());
   test.title = root.text(title_of_test);
-  Section material = root.section(material_table);
-  test.law = read_law(material, Preset::standard);
-  material.close(fmt::format("law `{}`", name_of(test.law)));
-  test.initial = read_initial(root, test.law);
-  read_driver(root, test);
-  for (Section& s : root.list_of_sections(segments))
-    for (Segment& segment : read_segment(s, folder)) test.segments.push_back(std::move(segment));
+  test.segments = read_path(document, root, folder, [&](const std::vector<Segment>& path) {
+    Section material = root.section(material_table);
+    const bool confined = std::any_of(path.begin(), path.end(), controls_a_stress);
+    test.law = read_law(material, Preset::standard, {}, confined);
+    material.close(fmt::format("law `{}`", name_of(test.law)));
+    if (!material.is_given_up())
+      test.initial = read_initial(root, test);
+    else
+      root.has(initial.key);
+    read_driver(root, test);
+  });
   root.close();
   for (const Mistake& m : check_rows(test)) root.complain(m);
   if (document.is_right())
@@ -154,8 +182,9 @@ ElementTestFile read_element_test_text(const std::string& name, std::string_view
   return {std::move(what), std::move(document.understood())};
 }
 
-ElementTestFile read_element_test(const std::string& path) {
+ElementTestFile read_element_test(const std::string& path, const std::vector<Override>& overrides) {
   Document document(path);
+  document.replace(overrides);
   ElementTest what = understand_element_test(document, std::filesystem::path(path).parent_path().string());
   document.finish();
   return {std::move(what), std::move(document.understood())};

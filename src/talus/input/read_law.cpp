@@ -26,14 +26,14 @@ const std::vector<Choice>& named_laws() {
 Option law_option() { return {"law", "constitutive law", named_laws()}; }
 
 template <class Law>
-AnyLaw read_parameters(Section& section, Preset preset, const std::set<std::string>& given) {
+AnyLaw read_parameters(Section& section, Preset preset, const std::set<std::string>& given, bool confined) {
   Law law{};
   for (const auto& p : Law::parameters()) {
     const bool elsewhere = given.contains(std::string(p.key));
     if (elsewhere && section.has(p.key)) section.complain(p.key, "is given twice: it follows from a formula");
     p.value(law) = elsewhere ? std::numeric_limits<double>::quiet_NaN() : section.number(p);
   }
-  for (const auto& o : Law::options()) o.set(law, section.choice(o, default_choice(o, preset)));
+  for (const auto& o : Law::options()) o.set(law, section.choice(o, default_choice(o, preset, confined)));
   if constexpr (requires { law.fault(); })
     if (const std::optional<Fault> fault = law.fault(); fault && given.empty())
       section.complain(fault->key, fault->why);
@@ -70,13 +70,14 @@ const Declaration& material_declaration() {
   return d;
 }
 
-AnyLaw read_law(Section& section, Preset preset, const std::set<std::string>& given) {
+AnyLaw read_law(Section& section, Preset preset, const std::set<std::string>& given, bool confined) {
   const std::vector<Choice>& laws = named_laws();
-  const int chosen = section.required_choice(law_option());
+  const std::optional<int> chosen = section.deciding_choice(law_option());
   AnyLaw result;
+  if (!chosen) section.give_up();
   Laws::for_each([&]<class Law>() {
-    if (is_named<Law> && Law::name == laws[std::size_t(chosen)].word)
-      result = read_parameters<Law>(section, preset, given);
+    if (chosen && is_named<Law> && Law::name == laws[std::size_t(*chosen)].word)
+      result = read_parameters<Law>(section, preset, given, confined);
   });
   return result;
 }

@@ -14,7 +14,7 @@ constexpr Option order{"order", "when the stress is updated", order_choices};
 constexpr Flag f_bar{"f_bar", "average the rate of volume change over each cell (not with average_pressure)"};
 constexpr Flag average_pressure{"average_pressure", "average the elastic compression over each cell"};
 constexpr Flag particle_shifting{"particle_shifting",
-                                 "move particles apart where they stand closer than their volumes leave room for"};
+                                 "move particles apart where they are closer than their volumes allow"};
 constexpr Flag particle_splitting{
     "particle_splitting",
     "split particles of materials that flow where stretching would leave cells empty, and "

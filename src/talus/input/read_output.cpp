@@ -22,6 +22,7 @@ const std::vector<std::string_view>& all_fields() {
   }();
   return fields;
 }
+constexpr Option size_of_report{"report", "size of report.html", report_choices};
 constexpr Words fields{"fields", "quantities in snapshots", all_fields};
 
 std::optional<std::vector<double>> read_pictures(Section& s, const Case& case_) {
@@ -60,10 +61,11 @@ void read_maps(Section& output, Case& case_) {
 }  // namespace
 
 const Declaration& output_declaration() {
-  static const Declaration d("[output]",
-                             {optional(keys::snapshots), optional(keys::history), optional(keys::peak_force_time),
-                              optional(keys::front_thickness), optional(Numbers{keys::pictures(0)}), optional(fields),
-                              optional(keys::checkpoints), optional(keys::checkpoint_wall), optional(maps_table)});
+  static const Declaration d(
+      "[output]",
+      {optional(keys::snapshots), optional(keys::history), optional(keys::peak_force_time),
+       optional(keys::front_thickness), optional(Numbers{keys::pictures(0)}), optional(fields),
+       optional(keys::checkpoints), optional(keys::checkpoint_wall), optional(size_of_report), optional(maps_table)});
   return d;
 }
 
@@ -83,6 +85,7 @@ void read_output(Section& root, Case& case_) {
   read_maps(s, case_);
   o.checkpoints = s.optional_number(keys::checkpoints);
   o.checkpoint_wall = s.number(keys::checkpoint_wall, o.checkpoint_wall);
+  o.report = ReportSize(s.choice(size_of_report));
   s.close();
 }
 

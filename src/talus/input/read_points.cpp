@@ -15,8 +15,7 @@ namespace talus {
 
 namespace {
 
-constexpr Text file_of_points{
-    "file", "CSV file of the particles' places, with columns x, y and in 3D z [m], and if you like volume [m3]"};
+constexpr Text file_of_points{"file", "CSV file with columns x, y, in 3D z [m], and optionally volume [m3]"};
 
 /// The columns of coordinates and, last, of the volume; -1 where there is none. Throws if the columns are others.
 std::vector<int> columns_of(const NumberTable& table, const std::string& path, int dim) {
@@ -41,10 +40,9 @@ PointList points_of(const std::string& path, int dim, std::optional<double> spac
   if (table.rows.empty()) throw std::runtime_error(fmt::format("{} holds no rows", path));
   const std::vector<int> columns = columns_of(table, path, dim);
   const int of_volume = columns.back();
-  if (of_volume >= 0 && spacing)
-    throw std::runtime_error(fmt::format("{} tells the volumes: leave out `spacing`", path));
+  if (of_volume >= 0 && spacing) throw std::runtime_error(fmt::format("{} has volumes: remove `spacing`", path));
   if (of_volume < 0 && !spacing)
-    throw std::runtime_error(fmt::format("{} does not tell volumes: give `spacing`, whose {} each particle has", path,
+    throw std::runtime_error(fmt::format("{} has no volumes: add `spacing`; each particle has its {} as volume", path,
                                          dim == 2 ? "square" : "cube"));
   PointList list;
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -62,6 +60,9 @@ PointList points_of(const std::string& path, int dim, std::optional<double> spac
     list.places.push_back(x);
     list.volumes.push_back(v);
   }
+  if (const auto two = coincident_points(list, dim))
+    throw std::runtime_error(fmt::format("{}:{}: the point is at the same place as that of line {}; delete one of them",
+                                         path, table.lines[two->second], table.lines[two->first]));
   return list;
 }
 

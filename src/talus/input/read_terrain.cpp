@@ -35,7 +35,7 @@ const Declaration& crop_declaration() {
 constexpr Table crop{"crop", "the part of the ground that is the domain; without it, all", crop_declaration};
 
 constexpr Text polygons_of_zone{"polygons", "where it is: a shapefile, GeoPackage or GeoJSON"};
-constexpr Text raster_of_zone{"raster", "whole numbers that tell classes of ground: an ESRI ASCII raster or a GeoTIFF"};
+constexpr Text raster_of_zone{"raster", "classes of ground as whole numbers: an ESRI ASCII raster or a GeoTIFF"};
 constexpr WholeNumber value_of_zone{{"value", "1", Range::between(-1e9, 1e9), "the number of its class in `raster`"}};
 const Declaration& zone_declaration() {
   static const Declaration d("a zone",
@@ -335,6 +335,12 @@ void read_terrain(Section& root, Case& case_, const std::string& folder) {
   if (!root.has("terrain")) return;
   Section s = root.section(keys::terrain);
   if (case_.dim != 3) s.complain("needs [domain] kind = \"3d\"");
+  try {
+    expect_map_reader();
+  } catch (const std::runtime_error& e) {
+    s.complain(e.what());
+    return;
+  }
   MapOfCase map;
   std::optional<GroundRead> read = read_ground(s, folder, case_.cell, map);
   if (!s.has("contact")) s.complain("`contact` is missing: what the ground does to material");

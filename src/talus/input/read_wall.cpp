@@ -11,7 +11,7 @@ constexpr WallKind wall_kinds[] = {WallKind::open,     WallKind::outflow, WallKi
                                    WallKind::friction, WallKind::rough,   WallKind::symmetry, WallKind::periodic};
 constexpr const char *meaning_of_wall = "wall on this side of the domain",
                      *meaning_of_contact = "what its surface does to material";
-constexpr Flag separates{"separates", "material may lift off; otherwise it is held"};
+constexpr Flag separates{"separates", "material may separate from the surface"};
 
 /// The table of a surface that may be of some kinds.
 Declaration declaration_of(const Option& kind) {

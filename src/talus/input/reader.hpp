@@ -16,6 +16,7 @@
 #include "talus/case/mistake.hpp"
 #include "talus/input/declaration.hpp"
 #include "talus/input/read.hpp"
+#include "talus/input/tables.hpp"
 #include "talus/math/vec.hpp"
 
 namespace talus {
@@ -28,6 +29,9 @@ class Document {
   explicit Document(const std::string& path);
   /// Parses a text, under a name for messages.
   Document(const std::string& name, std::string_view text);
+
+  /// Replaces values; complaints about them name the override.
+  void replace(const std::vector<Override>& overrides) { apply(root_, overrides); }
 
   void complain(const toml::source_region& where, std::string text);
   /// Takes over the complaints about another file.
@@ -87,6 +91,8 @@ class Section {
   /// The number of the word chosen.
   int choice(const Option& option, int by_default = 0);
   int required_choice(const Option& option);
+  /// The same of a word that decides which other keys there are; none if it is missing or unknown, which has then been said.
+  std::optional<int> deciding_choice(const Option& option);
 
   /// A list of numbers with units; `n` of them unless n is 0.
   std::vector<double> numbers(const Parameter& p, int n);
@@ -148,6 +154,10 @@ class Section {
   /// Notes something that follows from the input but was not read.
   void note(std::string_view key, std::string value, std::string_view meaning);
 
+  /// Ends the complaints about this section: a word that decides which keys it has is wrong, so nothing is known of them.
+  void give_up() { absent_ = true; }
+  bool is_given_up() const { return absent_; }
+
   /// Refuses keys that were not read, suggesting those that could have been; `name` is what messages call the section.
   void close(std::string_view name);
   /// By its declared name.
@@ -168,7 +178,7 @@ class Section {
     return path_.empty() ? std::string(key) : path_ + "." + std::string(key);
   }
   /// The text at a key that is there.
-  std::string text_at(std::string_view key, const toml::node& node, std::string_view meaning);
+  std::string text_at(const Text& t, const toml::node& node);
   /// The chosen word at a key, or the default.
   int read_choice(const Option& option, int by_default);
   void understand(std::string_view key, std::string value, bool by_default, std::string_view meaning);
@@ -181,7 +191,7 @@ class Section {
   const toml::table* table_;
   std::string path_;
   const Declaration* declaration_;
-  bool absent_ = false;                                    ///< stands in for a section that is missing
+  bool absent_ = false;                                    ///< stands in for a section that is missing, or was given up
   std::map<std::string, std::string, std::less<>> known_;  ///< keys that were asked for, and their meaning
 };
 

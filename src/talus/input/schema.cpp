@@ -21,6 +21,9 @@ Json schema_of_table(const Declaration& table);
 
 /// A number in JSON, or a text with a unit.
 Json schema_of_number(const Entry& e, bool whole = false) {
+  if (e.unit == unit_of_strain)
+    return {{"type", Json::array({"number", "string"})},
+            {"pattern", R"(^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*%\s*$)"}};
   if (e.unit != "1")
     return {{"type", "string"},
             {"pattern", R"(^\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?\s*(1/|[^0-9\s]))"}};

@@ -43,7 +43,7 @@ std::optional<double> Section::value_of(const toml::node& node, const Parameter&
     return std::nullopt;
   };
   double value;
-  if (p.unit == "1") {
+  if (p.unit == "1" || (p.unit == unit_of_strain && !node.is_string())) {
     if (!node.is_number()) return refuse("is not a plain number");
     value = node.is_integer() ? double(node.as_integer()->get()) : node.as_floating_point()->get();
     if (!std::isfinite(value)) return refuse("is not finite");
@@ -117,12 +117,17 @@ int Section::whole_number(const Parameter& p, int by_default) {
   return value;
 }
 
-std::string Section::text_at(std::string_view key, const toml::node& node, std::string_view meaning) {
+std::string Section::text_at(const Text& t, const toml::node& node) {
+  const auto& [key, meaning, most_bytes] = t;
   if (!node.is_string()) {
     complain(key, fmt::format("is not a text in quotes: {}", meaning));
     return "";
   }
   const std::string& value = node.as_string()->get();
+  if (value.size() > most_bytes) {
+    complain(key, fmt::format("has {} characters; at most {} are read: {}", value.size(), most_bytes, meaning));
+    return "";
+  }
   std::string lines = value;  // may be several, with tabs
   std::erase_if(lines, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
   if (printable(lines) != lines) {
@@ -134,19 +139,19 @@ std::string Section::text_at(std::string_view key, const toml::node& node, std::
 }
 
 std::string Section::text(const Text& t) {
-  const auto& [key, meaning] = t;
+  const auto& [key, meaning, most_bytes] = t;
   expect_declared(key, Holds::text, false);
   const toml::node* node = require(key, meaning);
   if (!node) return "";
   if (node->is_string() && node->as_string()->get().empty())
     complain(key, fmt::format("must not be empty: {}", meaning));
-  return text_at(key, *node, meaning);
+  return text_at(t, *node);
 }
 
 std::string Section::text(const Text& t, std::string_view by_default) {
-  const auto& [key, meaning] = t;
+  const auto& [key, meaning, most_bytes] = t;
   expect_declared(key, Holds::text, true);
-  if (const toml::node* node = find(key, meaning)) return text_at(key, *node, meaning);
+  if (const toml::node* node = find(key, meaning)) return text_at(t, *node);
   understand(key, std::string(by_default), true, meaning);
   return std::string(by_default);
 }
@@ -159,6 +164,15 @@ int Section::choice(const Option& option, int by_default) {
 int Section::required_choice(const Option& option) {
   expect_declared(option.key, Holds::word, false);
   return require(option.key, option.meaning) ? read_choice(option, 0) : 0;
+}
+
+std::optional<int> Section::deciding_choice(const Option& option) {
+  expect_declared(option.key, Holds::word, false);
+  if (!require(option.key, option.meaning)) return std::nullopt;
+  const auto word = table_->get(option.key)->value<std::string_view>();
+  const int chosen = read_choice(option, 0);
+  if (word && option.choices[std::size_t(chosen)].word == *word) return chosen;
+  return std::nullopt;
 }
 
 int Section::read_choice(const Option& option, int by_default) {

@@ -120,6 +120,7 @@ void Section::complain(const Mistake& mistake) {
 }
 
 void Section::close(std::string_view name) {
+  if (absent_) return;
   std::vector<std::string_view> known;
   for (const auto& [key, meaning] : known_) known.push_back(key);
   for (auto&& [key, value] : *table_) {

@@ -40,6 +40,7 @@ struct CohesiveFriction : Elasticity {
   /// again, and is then as small as it was.
   template <Number R>
   TALUS_HD R stiffness_at(R w) const {
+    if (!any(w < R(closed()))) return R(wave_modulus());
     return R(wave_modulus()) * exp(min(w - R(closed()), R(0.0)));
   }
 
@@ -56,7 +57,8 @@ struct CohesiveFriction : Elasticity {
     const R zero = R(0.0);
     const double K = bulk_modulus(), G = shear_modulus();
     const R w = state.compression + volumetric_compression(strain);
-    const R p_trial = R(K) * w, q_trial = von_mises(s_trial);
+    const R p_trial = R(K) * w, q2 = R(1.5) * double_dot(s_trial, s_trial);
+    const R per_q = inverse_root(max(q2, R(1e-200))), q_trial = q2 * per_q;
 
     // Flow until no shear stress is left dilates by M_psi q_trial/(3 G). If that leaves a pressure above the apex's, f
     // becomes zero on the way there: on the cone. An opening that the step does not close leaves nothing to dilate.
@@ -72,8 +74,8 @@ struct CohesiveFriction : Elasticity {
     // Shear and flow work at the mean of the stresses at both ends, pressure as it follows compression; an opening is held
     // by the cohesion alone.
     const R p_before = pressure(state.stress);
-    const SymTensor<R> s_before = deviator(state.stress), s = q / max(q_trial, R(1e-300)) * s_trial;
-    const R q_before = R(1.5) * double_dot(s_before, s_trial) / max(q_trial, R(1e-300));
+    const SymTensor<R> s_before = deviator(state.stress), s = select(dkappa > zero, q * per_q, R(1.0)) * s_trial;
+    const R q_before = R(1.5) * double_dot(s_before, s_trial) * per_q;
     const R dilating = select(carries, R(0.5) * (p_before + p) * R(M_psi), zero) * dkappa;
     const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
     const R work = elastic_work(p_before, p) + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;

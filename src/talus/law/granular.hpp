@@ -1,15 +1,25 @@
 #pragma once
-/// The unified law: lasting contacts and collisions in parallel, one law for solid, flow and deposit.
+/// The unified law for solid, flow and deposit: the sum of a critical-state sand model for enduring contacts and a mu(I)
+/// rheology for collisions.
 ///
 ///   sigma = sigma_f + sigma_col                                                                 Eqs. 1, 18
 ///
-/// Deviation: grains that have separated do not collide either. A continuum point that was thrown off would otherwise
-/// push on its neighbours across the gap, and a flow with a free surface explodes.
+/// Deviation: grains that have separated do not collide either, unless `separated_grains` says so. A continuum point
+/// that was thrown off would otherwise push on its neighbours across the gap, and a flow with a free surface explodes.
+/// A sample between plates under a held stress is not thrown off: when the contacts lose their pressure, it dilates until
+/// collisions at its void ratio, the gap included, balance the plates. With `stress_free` there is no such state, because
+/// the stress jumps to zero when the gap opens.
 
 #include "talus/law/mu_i.hpp"
 #include "talus/law/simsand.hpp"
 
 namespace talus {
+
+enum class SeparatedGrains { stress_free, colliding };
+inline constexpr Choice separated_grains_choices[] = {
+    {"stress_free", "separated grains carry no stress, so that a free surface stays at rest"},
+    {"colliding", "separated grains collide at their void ratio (Eqs. 12 to 17 everywhere), as under a held stress"},
+};
 
 /// SIMSAND and mu(I) in parallel. With `WithHistory` the collisional stress is integrated in time (forms `incremental`
 /// and `rate`).
@@ -17,6 +27,7 @@ template <bool WithHistory>
 struct GranularOf {
   Simsand frictional;
   MuI collisional;
+  SeparatedGrains separated_grains = SeparatedGrains::stress_free;
 
   TALUS_HD void prepare() {
     frictional.prepare();
@@ -45,7 +56,8 @@ struct GranularOf {
                               how.scheme == Integrator::forward_euler);
     else
       c = collisional.collide(motion.strain_rate, void_ratio, p_f);
-    const mask_t<R> apart = state.frictional.x < R(0.0);
+    const R end_of_collisions(separated_grains == SeparatedGrains::stress_free ? 0.0 : -1e300);
+    const mask_t<R> apart = state.frictional.x < end_of_collisions;
     c.stress = talus::select<R>(apart, SymTensor<R>::zero(), c.stress);
     if constexpr (WithHistory)
       state.collisional.stress = c.stress;
@@ -127,7 +139,9 @@ struct GranularOf {
   static constexpr bool controls_error = !WithHistory;
   static constexpr std::string_view name = "granular";
   static constexpr std::string_view meaning =
-      "the unified law: lasting contacts and collisions in parallel (Eqs. 1-18)";
+      "the unified law: sum of a critical-state sand model for enduring contacts and a mu(I) rheology for collisions "
+      "(Eqs. "
+      "1-18)";
   static std::span<const ParameterOf<GranularOf>> parameters();
   static std::span<const OptionOf<GranularOf>> options();
   static std::span<const QuantityOf<GranularOf>> quantities();
@@ -152,6 +166,9 @@ std::span<const OptionOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::opti
   static const auto table = [] {
     auto both = lifted(Simsand::options(), &GranularOf::frictional);
     for (auto& o : lifted(MuI::options(), &GranularOf::collisional)) both.push_back(o);
+    both.push_back({{"separated_grains", "stress of grains that have separated", separated_grains_choices},
+                    [](GranularOf& l, int choice) { l.separated_grains = SeparatedGrains(choice); },
+                    [](const GranularOf& l) { return int(l.separated_grains); }});
     return both;
   }();
   return table;

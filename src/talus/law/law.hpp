@@ -24,6 +24,7 @@
 ///   critical_friction()       shear over normal stress of a layer that is sheared on and on, slowly
 ///   friction_rise()           how that grows with the rate
 ///   stiffening(void_ratio)    see `StiffensFromNothing`; such laws get the solver's bulk viscosity
+///   collisional_stress(state) [Pa], of a law whose collisions may return work in shear: see `MayReturnWork`
 ///   compression, growth_in_gap, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
 /// How to write one: docs/howto/add_a_law.md.
 /// `update` neither allocates nor throws nor calls virtual functions. What it cannot do it says in its Response.
@@ -84,11 +85,11 @@ struct Integration {
 
 /// What a point is like before anything happens to it.
 struct InitialState {
-  SymTensor<double> stress = SymTensor<double>::zero();  ///< of the lasting contacts [Pa], tension-positive
+  SymTensor<double> stress = SymTensor<double>::zero();  ///< of the enduring contacts [Pa], tension-positive
   double void_ratio = 0;
   std::optional<double>
       kappa;  ///< accumulated plastic deviatoric strain; without it, the least that carries the stress
-  double background_pressure = 0;                                    ///< [Pa], of a law without lasting contacts
+  double background_pressure = 0;                                    ///< [Pa], of a law without enduring contacts
   SymTensor<double> strain_rate = SymTensor<double>::zero();         ///< [1/s], for laws that remember it
   SymTensor<double> collisional_stress = SymTensor<double>::zero();  ///< [Pa], for laws that remember it
 };
@@ -149,6 +150,19 @@ template <class Law>
 concept HasCriticalFriction = requires(const Law& law) {
   { law.critical_friction() } -> std::same_as<double>;
 };
+
+/// A law with a collisional stress that may return work in shear, as D.D does in extension (docs/theory/collisional_stress.md,
+/// Sec. 4).
+template <class Law>
+concept MayReturnWork = requires(const typename Law::template State<double>& state) {
+  { Law::collisional_stress(state) } -> std::same_as<SymTensor<double>>;
+};
+
+/// Power of shear against a collisional stress [W/m3], negative where collisions return work.
+template <Number R>
+TALUS_HD R collisional_dissipation(const SymTensor<R>& collisional_stress, const SymTensor<R>& strain_rate) {
+  return double_dot(deviator(collisional_stress), strain_rate);
+}
 
 /// Something that can be read off a state: written to snapshots, element tests and tables.
 struct Quantity {

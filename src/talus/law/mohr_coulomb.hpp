@@ -30,6 +30,9 @@ struct MohrCoulomb : CohesiveFriction {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const SymTensor<R> s_trial = trial_deviator(state, motion.strain);
+    if (lode == LodeRule::none)  // the same slopes in every direction
+      return flow(state, motion.strain, s_trial, friction_slope(lode, tan_phi, 0.0),
+                  friction_slope(lode, tan_psi, 0.0));
     const R S = lode_sine(s_trial);
     if (lode == LodeRule::mohr_coulomb) return flow_on_pyramid(state, motion.strain, s_trial, S);
     return flow(state, motion.strain, s_trial, friction_slope(lode, R(tan_phi), S),

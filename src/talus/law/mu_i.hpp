@@ -14,8 +14,8 @@
 /// - incremental: the increments of mu |g| D - D.D, weighted with the current f_Phi.
 /// - rate: Eq. 12 itself. It leaves stress behind at rest once the void ratio or the direction has changed.
 ///
-/// Deviations, and why: p in I is the mean pressure of the total stress, p_f + tr(D.D) f_Phi/3, and mu is written
-/// without dividing by it; strain acceleration is the change of the strain rate between steps, not sym grad a (which
+/// Deviations, and why: p in I is the mean pressure of the total stress, in the total form p_f + tr(D.D) f_Phi/3, and mu is
+/// written without dividing by it; strain acceleration is the change of the strain rate between steps, not sym grad a (which
 /// would make steady extension grow stress); Phi_c - Phi is kept above 0.02.
 
 #include "talus/law/law.hpp"
@@ -70,17 +70,27 @@ struct MuI {
   template <Number R>
   TALUS_HD R friction(R g, R p) const {
     const R A = R(2 * d) * g * R(std::sqrt(rho_s));  // I sqrt(p)
-    return R(mu_s) + R(mu_d - mu_s) * A / max(R(I_0) * sqrt(max(p, R(0.0))) + A, R(1e-300));
+    return R(mu_s) + R(mu_d - mu_s) * A / max(R(I_0) * root(max(p, R(0.0))) + A, R(1e-300));
   }
+
+  /// What the forms with history remember.
+  template <class R>
+  struct History {
+    SymTensor<R> stress;  ///< sigma_col [Pa]
+    SymTensor<R> D;       ///< deviator of the last strain rate [1/s]
+    R f, p_f;             ///< the last f_Phi [kg/m] and contact pressure [Pa]
+  };
 
   /// What can be seen of a flow at one point.
   struct Observation {
     double I, mu,
         viscosity;  ///< I is infinite where nothing confines moving grains; viscosity is 2 f_Phi mu |g| [Pa s]
   };
-  Observation observe(const SymTensor<double>& strain_rate, double void_ratio, double p_f) const {
+  Observation observe(const SymTensor<double>& strain_rate, const History<double>& h, double void_ratio) const {
     const double g = shear_rate(deviator(strain_rate)), f = momentum_exchange(volume_fraction(void_ratio));
-    const double p = p_f + dispersive_pressure(f, g), mu = friction(g, p);
+    // In the total form the pressure follows from the present flow; the others remember theirs.
+    const double p_col = form == CollisionalForm::total ? dispersive_pressure(f, g) : pressure(h.stress);
+    const double p = std::max(0.0, h.p_f + p_col), mu = friction(g, p);
     return {g > 0 ? 2 * d * g * std::sqrt(rho_s / p) : 0, mu, 2 * f * mu * g};
   }
 
@@ -107,28 +117,19 @@ struct MuI {
     return {f * shape(D, g, mu), R(2.0) * (R(1.0) + mu) * g * f};
   }
 
-  /// What the forms with history remember.
-  template <class R>
-  struct History {
-    SymTensor<R> stress;  ///< sigma_col [Pa]
-    SymTensor<R> D;       ///< deviator of the last strain rate [1/s]
-    R f, p_f;             ///< the last f_Phi [kg/m] and contact pressure [Pa]
-  };
-
   /// The forms with history. Eq. 12 is integrated at the middle of the step, or from its start as the paper does
-  /// (`from_start`).
+  /// (`from_start`). The pressure in I is that of the stress itself; mu has no part in its change, because D is a deviator.
   template <Number R>
   TALUS_HD Collision<R> collide(History<R>& past, const SymTensor<R>& strain_rate, R void_ratio, R p_f,
                                 bool from_start) const {
     const SymTensor<R> D = deviator(strain_rate);
-    const R f = momentum_exchange(volume_fraction(void_ratio));
-    const auto mu_at = [&](R g, R f_Phi, R p) { return friction(g, p + dispersive_pressure(f_Phi, g)); };
-    const R g = shear_rate(D), mu = mu_at(g, f, p_f);
+    const R f = momentum_exchange(volume_fraction(void_ratio)), g = shear_rate(D);
+    const R p_old = past.p_f + pressure(past.stress);
     SymTensor<R> increment;
+    R p;
     if (form == CollisionalForm::rate) {
       const SymTensor<R> D_mid = from_start ? past.D : R(0.5) * (past.D + D);
       const R f_mid = from_start ? past.f : R(0.5) * (past.f + f);
-      const R p_mid = from_start ? past.p_f : R(0.5) * (past.p_f + p_f);
       const R g_mid = shear_rate(D_mid);
       const SymTensor<R> change = D - past.D;
       // D dD + dD D = (D + dD/2)^2 - (D - dD/2)^2
@@ -137,14 +138,17 @@ struct MuI {
           dispersive == Dispersive::isotropic
               ? SymTensor<R>::isotropic(R(0.5) * (double_dot(ahead, ahead) - double_dot(behind, behind)))
               : square(ahead) - square(behind);
-      increment = f_mid * ((R(2.0) * mu_at(g_mid, f_mid, p_mid) * g_mid) * change - pressing);
+      p = p_f + pressure(past.stress) + f_mid * trace(pressing) * R(1.0 / 3.0);
+      const R p_mid = from_start ? p_old : R(0.5) * (p_old + p);
+      increment = f_mid * ((R(2.0) * friction(g_mid, p_mid) * g_mid) * change - pressing);
     } else {
       const R g_old = shear_rate(past.D);
       const R weight = from_start ? past.f : R(0.5) * (past.f + f);
-      increment = weight * (shape(D, g, mu) - shape(past.D, g_old, mu_at(g_old, past.f, past.p_f)));
+      p = p_f + pressure(past.stress) + weight * (dispersive_pressure(R(1.0), g) - dispersive_pressure(R(1.0), g_old));
+      increment = weight * (shape(D, g, friction(g, p)) - shape(past.D, g_old, friction(g_old, p_old)));
     }
     past = {past.stress + increment, D, f, p_f};
-    return {past.stress, R(2.0) * (R(1.0) + mu) * g * f};
+    return {past.stress, R(2.0) * (R(1.0) + friction(g, p)) * g * f};
   }
 
   // ---- the law on its own: grains that only collide, under a constant background pressure ------------------------
@@ -176,6 +180,10 @@ struct MuI {
     return state.history.stress;
   }
   template <class R>
+  TALUS_HD static SymTensor<R> collisional_stress(const State<R>& state) {
+    return state.history.stress;
+  }
+  template <class R>
   TALUS_HD R specific_volume(const State<R>& state) const {
     return R(1.0) + state.void_ratio;
   }
@@ -202,7 +210,7 @@ struct MuI {
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {
     if (von_mises(deviator(initial.stress)) > 0 || pressure(initial.stress) != 0)
-      return "`mu_i` has no lasting contacts that could carry a stress at rest; give a background pressure instead";
+      return "`mu_i` has no enduring contacts that could carry a stress at rest; use a background pressure instead";
     return State<double>{{initial.collisional_stress, deviator(initial.strain_rate),
                           momentum_exchange(volume_fraction(initial.void_ratio)), initial.background_pressure},
                          initial.void_ratio};
@@ -267,16 +275,14 @@ inline std::span<const QuantityOf<MuI>> MuI::quantities() {
       {{"p_col", "Pa", 1, "mean collisional pressure"},
        [](const MuI&, const S& s, const D&, double* v) { *v = pressure(s.history.stress); }},
       {{"I", "1", 1, "inertial number (Eq. 16)"},
-       [](const MuI& l, const S& s, const D& rate, double* v) { *v = l.observe(rate, s.void_ratio, s.history.p_f).I; }},
+       [](const MuI& l, const S& s, const D& rate, double* v) { *v = l.observe(rate, s.history, s.void_ratio).I; }},
       {{"mu", "1", 1, "mu(I) (Eq. 16)"},
-       [](const MuI& l, const S& s, const D& rate, double* v) {
-         *v = l.observe(rate, s.void_ratio, s.history.p_f).mu;
-       }},
+       [](const MuI& l, const S& s, const D& rate, double* v) { *v = l.observe(rate, s.history, s.void_ratio).mu; }},
       {{"f_Phi", "kg/m", 1, "momentum exchange (Eq. 15)"},
        [](const MuI& l, const S& s, const D&, double* v) { *v = l.momentum_exchange(volume_fraction(s.void_ratio)); }},
       {{"viscosity", "Pa s", 1, "equivalent shear viscosity 2 f_Phi mu |g| (Fig. 23)"},
        [](const MuI& l, const S& s, const D& rate, double* v) {
-         *v = l.observe(rate, s.void_ratio, s.history.p_f).viscosity;
+         *v = l.observe(rate, s.history, s.void_ratio).viscosity;
        }},
       {{"void_ratio", "1", 1, "volume of voids over volume of grains"},
        [](const MuI&, const S& s, const D&, double* v) { *v = s.void_ratio; }},

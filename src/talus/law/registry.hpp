@@ -33,7 +33,8 @@ using AnyLaw = Laws::any;
 template <class Law>
 AnyLaw settled(const Law& law) {
   if constexpr (std::same_as<Law, Granular>) {
-    if (law.collisional.form != CollisionalForm::total) return GranularWithHistory{law.frictional, law.collisional};
+    if (law.collisional.form != CollisionalForm::total)
+      return GranularWithHistory{law.frictional, law.collisional, law.separated_grains};
   }
   return law;
 }

@@ -1,5 +1,5 @@
 #pragma once
-/// The frictional stress: a critical-state sand model for lasting contacts.
+/// The frictional stress: a critical-state sand model for enduring contacts.
 ///
 /// SIMSAND (Yin et al. 2013), Eqs. 2-11 of Feng, Yin and Liang. Inside this file the letters are the paper's; pressure
 /// p and volumetric strain are compression-positive, the deviator s is that of the tension-positive stress.
@@ -70,8 +70,9 @@ struct Simsand {
   template <Number R>
   TALUS_HD R growth(R e) const {
     const R room = max(R(2.97) - e, R(1e-3));
-    return R((1 - n) * E0 / (3 * (1 - 2 * nu))) * room * room / (R(1.0) + e);
+    return R(growth_factor()) * room * room / (R(1.0) + e);
   }
+  TALUS_HD double growth_factor() const { return (1 - n) * E0 / (3 * (1 - 2 * nu)); }
   /// a where grains have moved apart: growth of x as the gap closes.
   TALUS_HD double growth_in_gap() const { return growth(e_ref); }
 
@@ -140,21 +141,28 @@ struct Simsand {
     return state.stress;
   }
 
+  /// 1/K [1/Pa] of contacts pressed by p; finite where there is no pressure.
+  template <Number R>
+  TALUS_HD R compliance(const State<R>& state, R p) const {
+    const R room = max(R(2.97) - state.skeleton_void_ratio, R(1e-3));
+    return max(state.x, R(1e-300)) * (R(1.0) + state.skeleton_void_ratio) /
+           (R(exponent() * growth_factor()) * room * room * max(p, R(1e-200)));
+  }
   /// Work that unloading gives back [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by
   /// shear, at the present stiffness.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    const R p = pressure(state.stress), x = max(state.x, R(1e-300));
-    const R compression = p * x / (R(exponent() + 1) * growth(state.skeleton_void_ratio));
+    const R p = pressure(state.stress);
+    const double m = exponent();
+    const R compression = R(m / (m + 1)) * p * p * compliance(state, p);
     return select(p > R(0.0), compression, R(0.0)) + stored_in_shear(state);
   }
   /// Its part by shear [J/m3]: what friction gets where contacts are lost.
   template <Number R>
   TALUS_HD R stored_in_shear(const State<R>& state) const {
-    const R p = pressure(state.stress), x = max(state.x, R(1e-300));
+    const R p = pressure(state.stress);
     const SymTensor<R> s = deviator(state.stress);
-    const R stiffness = R(shear_to_bulk() * exponent()) * growth(state.skeleton_void_ratio) * max(p, R(1e-300)) / x;
-    return select(p > R(0.0), R(0.25) * double_dot(s, s) / stiffness, R(0.0));
+    return select(p > R(0.0), R(0.25 / shear_to_bulk()) * double_dot(s, s) * compliance(state, p), R(0.0));
   }
 
   template <class R>
@@ -198,7 +206,7 @@ struct Simsand {
   static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness means something (Eq. 4)
   static constexpr bool controls_error = true;
   static constexpr std::string_view name = "simsand";
-  static constexpr std::string_view meaning = "critical-state sand for lasting contacts (Eqs. 2-11)";
+  static constexpr std::string_view meaning = "critical-state sand model for enduring contacts (Eqs. 2-11)";
   static std::span<const ParameterOf<Simsand>> parameters();
   static std::span<const OptionOf<Simsand>> options();
   static std::span<const QuantityOf<Simsand>> quantities();
@@ -266,7 +274,7 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
   using S = State<double>;
   using D = SymTensor<double>;
   static const QuantityOf<Simsand> table[] = {
-      {{"frictional_stress", "Pa", 6, "stress of lasting contacts"},
+      {{"frictional_stress", "Pa", 6, "stress of enduring contacts"},
        [](const Simsand&, const S& s, const D&, double* v) {
          for (int i = 0; i < 6; ++i) v[i] = s.stress[i];
        }},

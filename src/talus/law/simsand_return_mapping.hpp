@@ -50,10 +50,10 @@ template <class R>
 struct ReturnPoint {
   R x, ln_x;
   R p, G, M_p, M_pt, h, dkappa;
-  R residual;  ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
-  R q_trial;   ///< of the trial stress s_n + 2 G e
-  R lowering;  ///< ln(e_ref/e_c)
-  R root;      ///< of the quadratic's discriminant
+  R residual;        ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
+  R q_trial, per_q;  ///< of the trial stress s_n + 2 G e, and 1 over it
+  R lowering;        ///< ln(e_ref/e_c)
+  R per_root;        ///< 1 over the root of the quadratic's discriminant
 
   TALUS_HD R eta() const { return h * M_p; }  ///< q/p, where the point yields
 };
@@ -96,8 +96,8 @@ struct ReturnEquation {
     eee = double_dot(e2, e_dev);
   }
 
-  /// At x = exp(ln_x). What takes the time is the chain of operations that wait for each other, exp to exp to square
-  /// roots, so the logarithm is handed in and divisions stand side by side where they can.
+  /// At x = exp(ln_x). What takes the time is the chain of operations that wait for each other, so the logarithm is handed
+  /// in; and divisions and square roots, so there are as few as may be.
   TALUS_HD ReturnPoint<R> at(R x, R ln_x) const {
     const R zero = R(0.0), two = R(2.0);
     ReturnPoint<R> r;
@@ -116,8 +116,9 @@ struct ReturnEquation {
     const R g = two * r.G;
     const R q2 = R(1.5) * max(ss + g * (two * se + g * ee), zero);
     const R trace3 = sss + g * (R(3.0) * (sse + g * see) + g * g * eee);
-    r.q_trial = sqrt(q2);
-    const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * r.q_trial / max(q2 * q2, R(1e-300))));
+    r.per_q = inverse_root(max(q2, R(1e-200)));
+    r.q_trial = q2 * r.per_q;
+    const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * (r.per_q * r.per_q * r.per_q)));
 
     const R density = law.ln_density(ln_P, ln_e);
     r.lowering = R(law.ln_e_ref) - ln_e - density;
@@ -133,10 +134,13 @@ struct ReturnEquation {
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
     const R excess = two * max(r.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
     const R b = G3 * k + strength - r.q_trial;
-    r.root = sqrt(max(b * b + two * G3 * excess, zero));
-    const R below = max(b + r.root, R(1e-300));  // dk = excess/below
-    r.dkappa = excess / below;
-    r.h = (kappa_n * below + excess) / (k * below + excess);  // (kappa_n + dk)/(k + dk)
+    const R discriminant = max(b * b + two * G3 * excess, zero);
+    r.per_root = inverse_root(discriminant);
+    // dk = excess/below, h = (kappa_n + dk)/(k + dk), with one division for both
+    const R below = max(b + discriminant * r.per_root, R(1e-100)), hardened = k * below + excess;
+    const R per_both = R(1.0) / (below * hardened);
+    r.dkappa = excess * hardened * per_both;
+    r.h = (kappa_n * below + excess) * below * per_both;
     r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
     return r;
   }
@@ -144,21 +148,21 @@ struct ReturnEquation {
   /// d residual/dx, nearly: where the point yields, at a constant Lode angle, M taken as proportional to the tangent
   /// of its angle.
   TALUS_HD R slope(const ReturnPoint<R>& r) const {
-    const R one = R(1.0), per_x = one / r.x;
+    const R one = R(1.0), kappa = kappa_n + r.dkappa, k = R(law.k_p) + kappa;
+    const R per_both = one / (r.x * k), per_x = k * per_both, per_k = r.x * per_both;
     const R dp = R(m) * r.p * per_x, dG = R(0.5 * (m - 1) * law.shear_to_bulk()) * trial.a * dp * per_x;
     const R ddensity = R(-m * law.xi) * r.lowering * per_x;
     const R dstrength = r.M_p * (dp + R(law.n_p) * ddensity * r.p);
-    const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG / max(r.q_trial, R(1e-300));
-    const R kappa = kappa_n + r.dkappa, k = R(law.k_p) + kappa;
-    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * kappa) / max(r.root, R(1e-300));
-    const R deta = r.eta() * R(law.n_p) * ddensity + (r.M_p - r.eta()) * ddkappa / k;
+    const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG * r.per_q;
+    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * kappa) * r.per_root;
+    const R deta = r.eta() * R(law.n_p) * ddensity + (r.M_p - r.eta()) * ddkappa * per_k;
     const R dM_pt = R(-law.n_d) * r.M_pt * ddensity;
     return one + trial.a * R(law.A_d) * ((dM_pt - deta) * r.dkappa + (r.M_pt - r.eta()) * ddkappa);
   }
 
   TALUS_HD SymTensor<R> stress(const ReturnPoint<R>& r) const {
     const SymTensor<R> s_trial = s_n + (R(2.0) * r.G) * e_dev;
-    const R back = r.p * r.eta() / max(von_mises(s_trial), R(1e-300));
+    const R back = r.p * r.eta() * inverse_root(R(1.5) * double_dot(s_trial, s_trial));
     return stress_from(select(r.dkappa > R(0.0), back, R(1.0)) * s_trial, r.p);
   }
 };
@@ -167,7 +171,7 @@ struct ReturnEquation {
 /// p on its own curve p ~ x^m.
 template <Number R>
 TALUS_HD ReturnPoint<R> extrapolate(const ReturnPoint<R>& at, const ReturnPoint<R>& before, R step, R dx, double m) {
-  const R t = step / dx, d = step / at.x;
+  const R per_both = R(1.0) / (dx * at.x), t = step * at.x * per_both, d = step * dx * per_both;
   const auto on_line = [&](R now, R then) { return now + t * (now - then); };
   ReturnPoint<R> r = at;
   r.x = at.x + step;
@@ -192,8 +196,9 @@ TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const
           select(m, a.dkappa, b.dkappa),
           select(m, a.residual, b.residual),
           select(m, a.q_trial, b.q_trial),
+          select(m, a.per_q, b.per_q),
           select(m, a.lowering, b.lowering),
-          select(m, a.root, b.root)};
+          select(m, a.per_root, b.per_root)};
 }
 
 /// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
@@ -260,10 +265,10 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const R stored_before = shrunk * law.elastic_energy(state), shear_before = shrunk * law.stored_in_shear(state);
 
   const M carries = !lost;
-  const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
   if (all(carries)) {
-    state = {equation.stress(r), x, kappa, trial.e};
+    state = {equation.stress(r), x, state.kappa + r.dkappa, trial.e};
   } else {
+    const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
     const Simsand::State<R> loose = let_go(law, state, D_v, trial, kappa);
     state = {select<R>(carries, equation.stress(r), loose.stress), select(carries, x, loose.x), kappa,
              select(carries, trial.e, loose.skeleton_void_ratio)};
@@ -278,13 +283,14 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   // work. With stiffness that follows the pressure not all elastic work is stored. Where contacts are lost, they give back
   // what compression stored, and friction has what shear did.
   const R q = select(elastic, r.q_trial, r.p * r.eta());
-  const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) / max(r.q_trial, R(1e-300));
+  const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) * r.per_q;
   const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + q);
-  const R compressing = (r.p * x - equation.p_n * equation.x_n) / (R(equation.m + 1) * trial.a);
+  const R per_a = R(1.0) / trial.a;
+  const R compressing = (r.p * x - equation.p_n * equation.x_n) * R(1 / (equation.m + 1)) * per_a;
   const R shearing = (q * q - R(1.5) * equation.ss) / (R(6.0) * r.G);
   const R half_se = R(0.5) * equation.se;
   response.work = select(carries,
-                         compressing + p_mean * (trial.x - x) / trial.a + half_se +
+                         compressing + p_mean * (trial.x - x) * per_a + half_se +
                              R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
                          half_se + shear_before - stored_before);
   response.plastic_work = select(carries,

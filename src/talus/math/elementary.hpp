@@ -1,5 +1,5 @@
 #pragma once
-/// exp and log for one number or a pack of them, with the same bits either way.
+/// exp, log and inverse roots for one number or a pack of them, with the same bits either way.
 ///
 /// Both reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
 /// the Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range
@@ -18,21 +18,13 @@ namespace detail {
 TALUS_HD inline std::uint64_t bits(double x) { return std::bit_cast<std::uint64_t>(x); }
 TALUS_HD inline double number(std::uint64_t b) { return std::bit_cast<double>(b); }
 
-struct PackBits {
-  FourBits low, high;
-
-  TALUS_HD friend PackBits operator+(PackBits a, PackBits b) { return {a.low + b.low, a.high + b.high}; }
-  TALUS_HD friend PackBits operator-(PackBits a, PackBits b) { return {a.low - b.low, a.high - b.high}; }
-  TALUS_HD friend PackBits operator+(PackBits a, std::uint64_t b) { return {a.low + b, a.high + b}; }
-  TALUS_HD friend PackBits operator-(PackBits a, std::uint64_t b) { return {a.low - b, a.high - b}; }
-  TALUS_HD friend PackBits operator<<(PackBits a, int places) { return {a.low << places, a.high << places}; }
-  TALUS_HD friend PackBits operator>>(PackBits a, int places) { return {a.low >> places, a.high >> places}; }
-};
-TALUS_HD inline PackBits bits(Pack x) {
-  return {std::bit_cast<FourBits>(x.low.lanes), std::bit_cast<FourBits>(x.high.lanes)};
+template <class Lanes>
+TALUS_HD auto bits(Doubles<Lanes> x) {
+  return bits_of(x.lanes);
 }
-TALUS_HD inline Pack number(PackBits b) {
-  return {Quad(std::bit_cast<FourDoubles>(b.low)), Quad(std::bit_cast<FourDoubles>(b.high))};
+template <class Bits>
+TALUS_HD auto number(Bits b) {
+  return Doubles<decltype(doubles_of(b))>(doubles_of(b));
 }
 
 /// 1.5 2^52: adding it rounds to the nearest integer and leaves that integer in the low bits.
@@ -92,6 +84,40 @@ TALUS_HD R log(R x) {
   const R half_f2 = R(0.5) * f * f;
   const R tail = multiply_add(s, multiply_add(z, poly, half_f2), k * R(ln2_low));
   return multiply_add(k, R(ln2_high), f - (half_f2 - tail)) + trouble;
+}
+
+/// 1/sqrt x, at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its logarithm,
+/// so minus half of them is nearly the result; from its error e = 1 - x y^2 the series of (1 - e)^(-1/2) does the rest. A
+/// square root and a division block their unit three times as long.
+template <Number R>
+TALUS_HD R inverse_root(R x) {
+  using namespace detail;
+  R y = number(0x5fe6eb50c7b537a9u - (bits(x) >> 1));  // |e| < 0.07
+  R e = multiply_add(-x * y, y, R(1.0));
+  const R first = multiply_add(multiply_add(R(35.0 / 128), e, R(5.0 / 16)), e, R(3.0 / 8));
+  y = multiply_add(y * e, multiply_add(first, e, R(0.5)), y);
+  e = multiply_add(-x * y, y, R(1.0));
+  return multiply_add(y * e, multiply_add(R(3.0 / 8), e, R(0.5)), y);
+}
+
+/// sqrt x, at most 3 ulp off, for normal positive x and 0.
+template <Number R>
+TALUS_HD R root(R x) {
+  return x * inverse_root(x);
+}
+
+/// x^(-1/4), as `inverse_root`.
+template <Number R>
+TALUS_HD R inverse_fourth_root(R x) {
+  using namespace detail;
+  R y = number(0x4feb028f5c28f800u - (bits(x) >> 2));  // |e| < 0.13, with e = 1 - x y^4
+  R y2 = y * y, e = multiply_add(-x * y2, y2, R(1.0));
+  const R high = multiply_add(R(663.0 / 8192), e, R(195.0 / 2048));
+  const R first = multiply_add(multiply_add(high, e, R(15.0 / 128)), e, R(5.0 / 32));
+  y = multiply_add(y * e, multiply_add(first, e, R(0.25)), y);
+  y2 = y * y;
+  e = multiply_add(-x * y2, y2, R(1.0));
+  return multiply_add(y * e, multiply_add(R(5.0 / 32), e, R(0.25)), y);
 }
 
 }  // namespace talus

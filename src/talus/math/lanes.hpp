@@ -13,4 +13,25 @@ TALUS_HD inline void store(double* column, double x, int = 1) { *column = x; }
 TALUS_HD inline double sum_of(double x) { return x; }
 TALUS_HD inline double largest_of(double x) { return x; }
 
+/// Adds up numbers lane by lane, of packs in eight lanes however wide they are: so every width gives the same bits.
+template <class R>
+struct LaneSum {
+  using Lanes = std::conditional_t<(width_of<R> > Octet::width), Octet, R>;
+  Lanes sum = 0.0;
+
+  TALUS_HD LaneSum& operator+=(R x) {
+    if constexpr (std::same_as<Lanes, R>) {
+      sum += x;
+    } else {
+      sum += Octet(low_half(x.lanes));
+      sum += Octet(high_half(x.lanes));
+    }
+    return *this;
+  }
+};
+template <class R>
+TALUS_HD double sum_of(const LaneSum<R>& s) {
+  return sum_of(s.sum);
+}
+
 }  // namespace talus

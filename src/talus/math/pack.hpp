@@ -16,119 +16,76 @@
 
 namespace talus {
 
-/// A truth value for each lane of a Quad; a true lane has all bits set.
-struct QuadMask {
-  FourMasks lanes;
+/// A truth value for each lane.
+template <class Masks>
+struct MaskOfLanes {
+  Masks lanes;
 
-  TALUS_HD friend QuadMask operator&(QuadMask a, QuadMask b) { return {a.lanes & b.lanes}; }
-  TALUS_HD friend QuadMask operator|(QuadMask a, QuadMask b) { return {a.lanes | b.lanes}; }
-  TALUS_HD friend QuadMask operator!(QuadMask a) { return {~a.lanes}; }
+  TALUS_HD friend MaskOfLanes operator&(MaskOfLanes a, MaskOfLanes b) { return {a.lanes & b.lanes}; }
+  TALUS_HD friend MaskOfLanes operator|(MaskOfLanes a, MaskOfLanes b) { return {a.lanes | b.lanes}; }
+  TALUS_HD friend MaskOfLanes operator!(MaskOfLanes a) { return {~a.lanes}; }
   TALUS_HD bool operator[](int lane) const { return lanes[lane] != 0; }
 
-  TALUS_HD friend bool any(QuadMask m) { return sign_bits(m.lanes) != 0; }
-  TALUS_HD friend bool all(QuadMask m) { return sign_bits(m.lanes) == 15; }
+  TALUS_HD friend bool any(MaskOfLanes m) { return any_of(m.lanes); }
+  TALUS_HD friend bool all(MaskOfLanes m) { return all_of(m.lanes); }
 };
 
-/// Four doubles, one register: what a node holds, or a number of each of four particles.
-struct Quad {
-  static constexpr int width = 4;
-  FourDoubles lanes;
+/// Several doubles, a number of each of as many particles, or what a node holds.
+template <class Lanes>
+struct Doubles {
+  static constexpr int width = lanes_in<Lanes>;
+  using Mask = MaskOfLanes<decltype(less(Lanes(), Lanes()))>;
+  Lanes lanes;
 
-  Quad() = default;
-  TALUS_HD Quad(double x) : lanes{x, x, x, x} {}  // NOLINT: a plain number stands for equal ones in all lanes
-  TALUS_HD explicit Quad(FourDoubles l) : lanes(l) {}
+  Doubles() = default;
+  TALUS_HD Doubles(double x) { broadcast(x, lanes); }  // NOLINT: a plain number stands for equal ones in all lanes
+  TALUS_HD explicit Doubles(Lanes l) : lanes(l) {}
 
   TALUS_HD double operator[](int lane) const { return lanes[lane]; }
-  TALUS_HD void set(int lane, double x) { lanes[lane] = x; }
+  TALUS_HD void set(int lane, double x) { set_number(lanes, lane, x); }
 
-  TALUS_HD friend Quad operator+(Quad a, Quad b) { return Quad(a.lanes + b.lanes); }
-  TALUS_HD friend Quad operator-(Quad a, Quad b) { return Quad(a.lanes - b.lanes); }
-  TALUS_HD friend Quad operator*(Quad a, Quad b) { return Quad(a.lanes * b.lanes); }
-  TALUS_HD friend Quad operator/(Quad a, Quad b) { return Quad(a.lanes / b.lanes); }
-  TALUS_HD friend Quad operator-(Quad a) { return Quad(-a.lanes); }
-  TALUS_HD Quad& operator+=(Quad b) { return *this = *this + b; }
-  TALUS_HD Quad& operator-=(Quad b) { return *this = *this - b; }
-  TALUS_HD Quad& operator*=(Quad b) { return *this = *this * b; }
+  TALUS_HD friend Doubles operator+(Doubles a, Doubles b) { return Doubles(a.lanes + b.lanes); }
+  TALUS_HD friend Doubles operator-(Doubles a, Doubles b) { return Doubles(a.lanes - b.lanes); }
+  TALUS_HD friend Doubles operator*(Doubles a, Doubles b) { return Doubles(a.lanes * b.lanes); }
+  TALUS_HD friend Doubles operator/(Doubles a, Doubles b) { return Doubles(a.lanes / b.lanes); }
+  TALUS_HD friend Doubles operator-(Doubles a) { return Doubles(-a.lanes); }
+  TALUS_HD Doubles& operator+=(Doubles b) { return *this = *this + b; }
+  TALUS_HD Doubles& operator-=(Doubles b) { return *this = *this - b; }
+  TALUS_HD Doubles& operator*=(Doubles b) { return *this = *this * b; }
 
-  TALUS_HD friend QuadMask operator<(Quad a, Quad b) { return {a.lanes < b.lanes}; }
-  TALUS_HD friend QuadMask operator>(Quad a, Quad b) { return {a.lanes > b.lanes}; }
-  TALUS_HD friend QuadMask operator<=(Quad a, Quad b) { return {a.lanes <= b.lanes}; }
-  TALUS_HD friend QuadMask operator>=(Quad a, Quad b) { return {a.lanes >= b.lanes}; }
-  TALUS_HD friend QuadMask operator==(Quad a, Quad b) { return {a.lanes == b.lanes}; }
+  TALUS_HD friend Mask operator<(Doubles a, Doubles b) { return {less(a.lanes, b.lanes)}; }
+  TALUS_HD friend Mask operator>(Doubles a, Doubles b) { return {less(b.lanes, a.lanes)}; }
+  TALUS_HD friend Mask operator<=(Doubles a, Doubles b) { return {less_or_equal(a.lanes, b.lanes)}; }
+  TALUS_HD friend Mask operator>=(Doubles a, Doubles b) { return {less_or_equal(b.lanes, a.lanes)}; }
+  TALUS_HD friend Mask operator==(Doubles a, Doubles b) { return {equal(a.lanes, b.lanes)}; }
 
-  TALUS_HD friend Quad select(QuadMask m, Quad a, Quad b) { return Quad(blend(m.lanes, a.lanes, b.lanes)); }
-  TALUS_HD friend Quad sqrt(Quad x) { return Quad(square_roots(x.lanes)); }
-  TALUS_HD friend Quad floor(Quad x) { return Quad(floors(x.lanes)); }
-  TALUS_HD friend Quad abs(Quad x) {
-    return Quad(std::bit_cast<FourDoubles>(std::bit_cast<FourMasks>(x.lanes) & std::numeric_limits<long>::max()));
-  }
-  TALUS_HD friend Quad max(Quad a, Quad b) { return Quad(larger(a.lanes, b.lanes)); }
-  TALUS_HD friend Quad min(Quad a, Quad b) { return Quad(smaller(a.lanes, b.lanes)); }
-  TALUS_HD friend Quad multiply_add(Quad a, Quad b, Quad c) {
-    if constexpr (has_fma) return Quad(fused_multiply_add(a.lanes, b.lanes, c.lanes));
+  TALUS_HD friend Doubles select(Mask m, Doubles a, Doubles b) { return Doubles(blend(m.lanes, a.lanes, b.lanes)); }
+  TALUS_HD friend Doubles sqrt(Doubles x) { return Doubles(square_roots(x.lanes)); }
+  TALUS_HD friend Doubles floor(Doubles x) { return Doubles(floors(x.lanes)); }
+  TALUS_HD friend Doubles abs(Doubles x) { return Doubles(magnitudes(x.lanes)); }
+  TALUS_HD friend Doubles max(Doubles a, Doubles b) { return Doubles(larger(a.lanes, b.lanes)); }
+  TALUS_HD friend Doubles min(Doubles a, Doubles b) { return Doubles(smaller(a.lanes, b.lanes)); }
+  TALUS_HD friend Doubles multiply_add(Doubles a, Doubles b, Doubles c) {
+    if constexpr (has_fma) return Doubles(fused_multiply_add(a.lanes, b.lanes, c.lanes));
     return a * b + c;
   }
 };
 
-/// A truth value for each lane of a Pack.
-struct Mask {
-  QuadMask low, high;
-
-  TALUS_HD friend Mask operator&(Mask a, Mask b) { return {a.low & b.low, a.high & b.high}; }
-  TALUS_HD friend Mask operator|(Mask a, Mask b) { return {a.low | b.low, a.high | b.high}; }
-  TALUS_HD friend Mask operator!(Mask a) { return {!a.low, !a.high}; }
-  TALUS_HD bool operator[](int lane) const { return lane < Quad::width ? low[lane] : high[lane - Quad::width]; }
-
-  TALUS_HD friend bool any(Mask m) { return any(m.low | m.high); }
-  TALUS_HD friend bool all(Mask m) { return all(m.low & m.high); }
-};
-
-/// Eight doubles, two registers: a number of each of the particles that a law updates at a time. Most of a law's time
-/// is waiting for divisions, square roots and the terms of exp; two registers wait together.
-struct Pack {
-  static constexpr int width = 2 * Quad::width;
-  Quad low, high;
-
-  Pack() = default;
-  TALUS_HD Pack(double x) : low(x), high(x) {}  // NOLINT: a plain number stands for equal ones in all lanes
-  TALUS_HD Pack(Quad l, Quad h) : low(l), high(h) {}
-
-  TALUS_HD double operator[](int lane) const { return lane < Quad::width ? low[lane] : high[lane - Quad::width]; }
-  TALUS_HD void set(int lane, double x) {
-    if (lane < Quad::width)
-      low.set(lane, x);
-    else
-      high.set(lane - Quad::width, x);
-  }
-
-  TALUS_HD friend Pack operator+(Pack a, Pack b) { return {a.low + b.low, a.high + b.high}; }
-  TALUS_HD friend Pack operator-(Pack a, Pack b) { return {a.low - b.low, a.high - b.high}; }
-  TALUS_HD friend Pack operator*(Pack a, Pack b) { return {a.low * b.low, a.high * b.high}; }
-  TALUS_HD friend Pack operator/(Pack a, Pack b) { return {a.low / b.low, a.high / b.high}; }
-  TALUS_HD friend Pack operator-(Pack a) { return {-a.low, -a.high}; }
-  TALUS_HD Pack& operator+=(Pack b) { return *this = *this + b; }
-  TALUS_HD Pack& operator-=(Pack b) { return *this = *this - b; }
-  TALUS_HD Pack& operator*=(Pack b) { return *this = *this * b; }
-
-  TALUS_HD friend Mask operator<(Pack a, Pack b) { return {a.low < b.low, a.high < b.high}; }
-  TALUS_HD friend Mask operator>(Pack a, Pack b) { return {a.low > b.low, a.high > b.high}; }
-  TALUS_HD friend Mask operator<=(Pack a, Pack b) { return {a.low <= b.low, a.high <= b.high}; }
-  TALUS_HD friend Mask operator>=(Pack a, Pack b) { return {a.low >= b.low, a.high >= b.high}; }
-  TALUS_HD friend Mask operator==(Pack a, Pack b) { return {a.low == b.low, a.high == b.high}; }
-
-  TALUS_HD friend Pack select(Mask m, Pack a, Pack b) {
-    return {select(m.low, a.low, b.low), select(m.high, a.high, b.high)};
-  }
-  TALUS_HD friend Pack sqrt(Pack x) { return {sqrt(x.low), sqrt(x.high)}; }
-  TALUS_HD friend Pack floor(Pack x) { return {floor(x.low), floor(x.high)}; }
-  TALUS_HD friend Pack abs(Pack x) { return {abs(x.low), abs(x.high)}; }
-  TALUS_HD friend Pack max(Pack a, Pack b) { return {max(a.low, b.low), max(a.high, b.high)}; }
-  TALUS_HD friend Pack min(Pack a, Pack b) { return {min(a.low, b.low), min(a.high, b.high)}; }
-  TALUS_HD friend Pack multiply_add(Pack a, Pack b, Pack c) {
-    return {multiply_add(a.low, b.low, c.low), multiply_add(a.high, b.high, c.high)};
-  }
-};
+/// What a node holds, or a number of each of four particles.
+using Quad = Doubles<FourDoubles>;
+/// What a node holds of two things.
+using Octet = Doubles<EightDoubles>;
+/// A number of each of the particles that a law updates at a time: eight, or sixteen with AVX-512.
+using Pack = Doubles<PackDoubles>;
+using QuadMask = Quad::Mask;
+using Mask = Pack::Mask;
 inline constexpr int pack_width = Pack::width;
+
+TALUS_HD inline Octet octet_of(Quad low, Quad high) {
+  Octet both;
+  join(low.lanes, high.lanes, both.lanes);
+  return both;
+}
 
 /// Rows become columns.
 TALUS_HD inline void transpose(Quad (&m)[4]) {
@@ -147,12 +104,12 @@ namespace detail {
 template <class P>
 TALUS_COLD TALUS_HD P load_few(const double* column, int count) {
   P p;
-  for (int lane = 0; lane < P::width; ++lane) p.set(lane, column[lane < count ? lane : count - 1]);
+  read_first(column, count, column[count - 1], p.lanes);
   return p;
 }
 template <class P>
 TALUS_COLD TALUS_HD void store_few(double* column, int count, P p) {
-  for (int lane = 0; lane < count; ++lane) column[lane] = p[lane];
+  write_first(p.lanes, count, column);
 }
 
 }  // namespace detail
@@ -165,19 +122,14 @@ inline constexpr int width_of = int(sizeof(R) / sizeof(double));
 template <class P>
 TALUS_HD P load(const double* column, int count = width_of<P>) {
   if (count < P::width) return detail::load_few<P>(column, count);
-  if constexpr (P::width == Quad::width)
-    return Quad(*reinterpret_cast<const FourDoublesAnywhere*>(column));
-  else
-    return {load<Quad>(column), load<Quad>(column + Quad::width)};
+  P p;
+  read(column, p.lanes);
+  return p;
 }
-TALUS_HD inline void store(double* column, Quad p, int count = Quad::width) {
-  if (count < Quad::width) return detail::store_few(column, count, p);
-  *reinterpret_cast<FourDoublesAnywhere*>(column) = p.lanes;
-}
-TALUS_HD inline void store(double* column, Pack p, int count = Pack::width) {
-  if (count < Pack::width) return detail::store_few(column, count, p);
-  store(column, p.low);
-  store(column + Quad::width, p.high);
+template <class Lanes>
+TALUS_HD void store(double* column, Doubles<Lanes> p, int count = lanes_in<Lanes>) {
+  if (count < p.width) return detail::store_few(column, count, p);
+  write(p.lanes, column);
 }
 
 /// Sum over the first `count` lanes, and maximum over all, from the first lane to the last.
@@ -201,15 +153,11 @@ concept Number = std::same_as<R, double> || std::same_as<R, Pack> || std::same_a
 /// The truth type that goes with a number type.
 template <class R>
 struct MaskOf {
+  using type = typename R::Mask;
+};
+template <>
+struct MaskOf<double> {
   using type = bool;
-};
-template <>
-struct MaskOf<Quad> {
-  using type = QuadMask;
-};
-template <>
-struct MaskOf<Pack> {
-  using type = Mask;
 };
 template <class R>
 using mask_t = typename MaskOf<R>::type;

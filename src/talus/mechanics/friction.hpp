@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "talus/base/parameter.hpp"
-#include "talus/math/pack.hpp"
+#include "talus/math/elementary.hpp"
 
 namespace talus {
 
@@ -72,8 +72,8 @@ TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
   const R t2 = t * t, w2 = R(1.0) + t2;
   if (rule == LodeRule::sheng) {
     const R A = R(81.0) * w2 * w2 + t2 * (R(54.0) * w2 + t2);
-    const R B = R(12.0) * t * sqrt(w2) * (R(9.0) * w2 + t2);
-    return R(6.0) * t / sqrt(sqrt(A + B * S));
+    const R B = R(12.0) * t * w2 * inverse_root(w2) * (R(9.0) * w2 + t2);
+    return R(6.0) * t * inverse_fourth_root(A + B * S);
   }
   const R sine = sine_of_tangent(t);
   if (rule == LodeRule::none) return R(6.0) * sine / (R(3.0) - sine);

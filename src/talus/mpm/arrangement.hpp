@@ -2,6 +2,7 @@
 /// How particles lie in tiles, and the grid, the walls and the contacts that follow from it.
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,7 @@ template <int Dim>
 struct RunTiles {
   std::vector<Index<Dim>> places;
   std::vector<CellRange<Dim>> cells;
-  std::vector<long> n_particles;
+  std::vector<long> work;  ///< as Body::cost
 };
 
 /// A closed contact, wherever its tile is held.
@@ -86,7 +87,7 @@ void deal_out_tiles(Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
-  const std::vector<int> owners = owners_of(tiles, run.n_particles, m.backend.n_owners());
+  const std::vector<int> owners = owners_of(tiles, run.work, m.backend.n_owners());
   m.halo = keep_held(tiles, run.cells, owners, m.backend);
   for (auto& body : m.bodies) {
     std::vector<TileParticles> ranges(run.cells.size());
@@ -104,19 +105,55 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   deal_out_tiles(m);
 }
 
+/// What the nodes of a tile take in a step, beside its particles.
+template <int Dim, class Shape>
+void add_work_of_nodes(std::vector<long>& work) {
+  constexpr long of_node = 15;  // ns, in five loops over nodes and the windows that they add up
+  for (long& w : work) w += of_node * TileLayout<Dim, Shape>::n_nodes;
+}
+
+/// Sets the costs of bodies from the time that all owners have taken for their stresses, where it differs by more than a
+/// fifth from what was assumed.
+template <int Dim, class Shape>
+void measure_costs(Model<Dim, Shape>& m) {
+  if (m.backend.n_owners() == 1) return;
+  Message mine;
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    StressTime sum;
+    for (std::vector<StressTime>& of_worker : m.stress_times) {
+      sum.seconds += of_worker[b].seconds;
+      sum.updates += of_worker[b].updates;
+      of_worker[b] = {};
+    }
+    mine.insert(mine.end(), {sum.seconds, sum.updates});
+  }
+  std::vector<double> all(mine.size(), 0.0);
+  for (const Message& other : m.backend.gather(mine))
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] += other[i];
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    constexpr double transfers = 100;  // ns
+    if (!(all[2 * b + 1] > 0)) continue;
+    const double measured = transfers + std::min(1e6, 1e9 * all[2 * b] / all[2 * b + 1]);
+    long& cost = m.bodies[b].cost;
+    if (std::abs(measured - double(cost)) > 0.2 * double(cost)) cost = std::lround(measured);
+  }
+}
+
 /// Puts the particles of all owners in the order of tiles and cells, and the grid under them.
 template <int Dim, class Shape>
 void arrange(Model<Dim, Shape>& m) {
   const auto closed = closed_contacts(m);
   wrap_periodic(m.bodies, m.domain);
+  measure_costs(m);
   OccupiedTiles<Dim> own = occupied_tiles(m.bodies, m.domain);
-  RunTiles<Dim> run{own.places, {}, own.n_particles};
+  RunTiles<Dim> run{own.places, {}, own.work};
   if (m.backend.n_owners() > 1) {
-    const OccupiedTiles<Dim> all = gather(m.backend, own);
-    const std::vector<int> owners = owners_of<Dim>({}, all.n_particles, m.backend.n_owners());
+    OccupiedTiles<Dim> all = gather(m.backend, own);
+    add_work_of_nodes<Dim, Shape>(all.work);
+    const std::vector<int> owners = owners_of<Dim>({}, all.work, m.backend.n_owners());
     move_to_owners(m.backend, m.bodies, m.domain, all, owners);
     own = occupied_tiles(m.bodies, m.domain);
-    run = {all.places, gather(m.backend, sort_by_cell(m.bodies, m.domain, own, m.backend)), all.n_particles};
+    run = {all.places, gather(m.backend, sort_by_cell(m.bodies, m.domain, own, m.backend)), all.work};
   } else {
     run.cells = sort_by_cell(m.bodies, m.domain, own, m.backend);
   }

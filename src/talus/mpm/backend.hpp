@@ -45,10 +45,18 @@ class Backend {
   /// Sends messages[o] to owner o. Returns what each owner has sent to this one, in their order.
   virtual std::vector<Message> exchange(std::vector<Message> messages) { return messages; }
 
+  /// The same where every owner knows how many numbers come: sizes[o] from owner o. So those that send each other nothing
+  /// need not meet.
+  virtual std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) {
+    (void)sizes;
+    return exchange(std::move(messages));
+  }
   /// The messages of all owners, in their order; every owner receives them.
-  std::vector<Message> gather(const Message& message) {
+  virtual std::vector<Message> gather(const Message& message) {
     return exchange(std::vector<Message>(std::size_t(n_owners()), message));
   }
+  /// The messages of all owners, in their order, for the first owner. The others may receive them, or an empty list.
+  virtual std::vector<Message> gather_at_first(const Message& message) { return gather(message); }
 };
 
 }  // namespace talus

@@ -29,10 +29,10 @@ struct Carried {
   double n_ids = 0;                                          ///< that particles have been given
 };
 
-/// All owners' parts of an array, one after the other.
-inline std::vector<double> joined(Backend& backend, const Message& mine) {
+/// Messages one after the other.
+inline std::vector<double> joined(const std::vector<Message>& messages) {
   std::vector<double> all;
-  for (const Message& m : backend.gather(mine)) all.insert(all.end(), m.begin(), m.end());
+  for (const Message& m : messages) all.insert(all.end(), m.begin(), m.end());
   return all;
 }
 
@@ -62,7 +62,7 @@ void save(const Model<Dim, Shape>& m, const Ledger& ledger, const StepTally& tal
     if (m.grid.tile(t).owned)
       for (const Index<Dim>& corner : {m.grid.tile(t).place, m.grid.cells()[t].low, m.grid.cells()[t].high})
         tiles.insert(tiles.end(), corner.begin(), corner.end());
-  write("tiles", joined(m.backend, tiles));
+  write("tiles", joined(m.backend.gather_at_first(tiles)));
   std::vector<double> closed;  // tile, node and surface of every closed contact, and whether it sticks
   for (const ClosedContact<Dim>& c : closed_contacts(m))
     closed.insert(closed.end(), {double(c.tile_number), double(c.node), double(c.surface), double(c.sticks)});
@@ -78,7 +78,7 @@ void save(const Model<Dim, Shape>& m, const Ledger& ledger, const StepTally& tal
         if (m.backend.n_owners() == 1)
           write(name, {column, std::size_t(columns.size())});
         else
-          write(name, joined(m.backend, Message(column, column + columns.size())));
+          write(name, joined(m.backend.gather_at_first(Message(column, column + columns.size()))));
       }
   }
 }
@@ -100,7 +100,7 @@ RunTiles<Dim> read_tiles(const ReadArray& read) {
   RunTiles<Dim> run;
   run.places.resize(numbers.size() / (3 * Dim));
   run.cells.resize(run.places.size());
-  run.n_particles.assign(run.places.size(), 0);
+  run.work.assign(run.places.size(), 0);
   for (std::size_t t = 0, i = 0; t < run.places.size(); ++t)
     for (Index<Dim>* corner : {&run.places[t], &run.cells[t].low, &run.cells[t].high})
       for (int a = 0; a < Dim; ++a) (*corner)[a] = int(numbers[i++]);
@@ -165,9 +165,10 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
     sizes.push_back(n);
     m.n_particles += long(n);
     for (std::size_t t = 0; t < n_tiles; ++t)
-      run.n_particles[t] += long((t + 1 < n_tiles ? begins[b][t + 1] : double(n)) - begins[b][t]);
+      run.work[t] += m.bodies[b].cost * long((t + 1 < n_tiles ? begins[b][t + 1] : double(n)) - begins[b][t]);
   }
-  const std::vector<int> owners = owners_of<Dim>({}, run.n_particles, m.backend.n_owners());
+  add_work_of_nodes<Dim, Shape>(run.work);
+  const std::vector<int> owners = owners_of<Dim>({}, run.work, m.backend.n_owners());
   const auto own = std::equal_range(owners.begin(), owners.end(), m.backend.owner());
   for (std::size_t b = 0; b < m.bodies.size(); ++b)
     restore_body<Dim>(m.bodies[b], b, begins[b], sizes[b], std::size_t(own.first - owners.begin()),

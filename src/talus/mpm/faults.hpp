@@ -43,23 +43,53 @@ template <int Dim, class Shape, class F>
   throw RunError(fault);
 }
 
+/// Why a state is not finite, if the cause is known: a cell that its own weight strains by a tenth is too soft for any
+/// step. The strain is rho g h/(rho c^2), of a cell of size h where waves travel at the speed c.
 template <int Dim, class Shape>
-[[noreturn]] void stop_outside(const Model<Dim, Shape>& m, const Ledger& ledger) {
+std::string reason_not_finite(const Model<Dim, Shape>& m, double wave_speed) {
+  const double acceleration = std::sqrt(dot(m.gravity, m.gravity));
+  const double strain = acceleration * m.domain.h / (wave_speed * wave_speed);
+  std::string text = fmt::format("Wave speed {:.3g} m/s, gravity {:.3g} m/s2", wave_speed, acceleration);
+  if (!(strain > 0.1))
+    return text + ". Remove a fixed `dt` or use a smaller `cfl`; if the error persists, report it as a bug.\n";
+  return text + fmt::format(
+                    ": the weight of one cell ({:.3g} m) strains it by {:.3g} %, and at most a few per cent can "
+                    "be computed. Use a stiffer material or less gravity.\n",
+                    m.domain.h, 100 * strain);
+}
+
+/// `wave_speed`: the largest before the step.
+template <int Dim, class Shape>
+[[noreturn]] void stop_outside(const Model<Dim, Shape>& m, const Ledger& ledger, double wave_speed) {
+  const auto is_not_finite = [](const Body<Dim>& body, int i) {
+    for (int a = 0; a < Dim; ++a)
+      if (!std::isfinite(body.particles.position(a)[i])) return true;
+    return false;
+  };
+  double n_of_owner = 0;
+  for (const auto& body : m.bodies)
+    for (int i = 0; i < body.particles.size(); ++i) n_of_owner += is_not_finite(body, i);
+  double n = 0;
+  for (const Message& of_one : m.backend.gather({n_of_owner})) n += of_one[0];
+  if (n > 0) stop(m, ledger, "the state is not finite", is_not_finite, reason_not_finite(m, wave_speed));
   stop(
       m, ledger, "a particle has left the domain",
       [&](const Body<Dim>& body, int i) {
         return !m.domain.contains(m.domain.in_cells(body.particles.view().places(i, 1)));
       },
-      "A larger domain keeps it, a side of kind `outflow` lets it go.\n");
+      "Use a larger domain, or a side of kind `outflow`, where material may leave.\n");
 }
 
 template <int Dim, class Shape>
-[[noreturn]] void stop_at_bad_stress(const Model<Dim, Shape>& m, const Ledger& ledger) {
-  stop(m, ledger, "the stress is not finite", [](const Body<Dim>& body, int i) {
-    for (int k = 0; k < body.particles.memory().n_state; ++k)
-      if (!std::isfinite(body.particles.state(k)[i])) return true;
-    return false;
-  });
+[[noreturn]] void stop_at_bad_stress(const Model<Dim, Shape>& m, const Ledger& ledger, double wave_speed) {
+  stop(
+      m, ledger, "the stress is not finite",
+      [](const Body<Dim>& body, int i) {
+        for (int k = 0; k < body.particles.memory().n_state; ++k)
+          if (!std::isfinite(body.particles.state(k)[i])) return true;
+        return false;
+      },
+      reason_not_finite(m, wave_speed));
 }
 
 /// Names the particle that waves are fastest at, or the fastest one, whichever shortens the step more.

@@ -8,6 +8,8 @@
 /// and these the windows of tiles that reach 3 nodes farther: three tiles.
 
 #include <algorithm>
+#include <bit>
+#include <cstdint>
 #include <cstring>
 #include <numeric>
 #include <vector>
@@ -23,6 +25,7 @@ inline constexpr int halo_tiles = 3;
 
 /// Which tiles of a run an owner holds. Tiles of the run are numbered over all owners.
 struct Halo {
+  long n_tiles = 0;                               ///< of the run
   std::vector<long> number;                       ///< in the run, of each tile held; in increasing order
   std::vector<std::vector<int>> sends, receives;  ///< occupied tiles to and from every owner, as held here
 };
@@ -75,6 +78,7 @@ template <int Dim>
 Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells, const std::vector<int>& owners,
                const Backend& backend) {
   Halo halo;
+  halo.n_tiles = long(tiles.size());
   const int n_owners = backend.n_owners(), own = backend.owner();
   if (n_owners == 1) {
     halo.number.resize(tiles.size());
@@ -120,49 +124,129 @@ void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
   using Node = typename Windows::Value;
   constexpr std::size_t numbers = Windows::n * sizeof(Node) / sizeof(double);
   std::vector<Message> messages(halo.sends.size());
-  for (std::size_t o = 0; o < halo.sends.size(); ++o)
+  for (std::size_t o = 0; o < halo.sends.size(); ++o) {
+    messages[o].reserve(halo.sends[o].size() * numbers);
     for (int t : halo.sends[o]) {
       const double* window = reinterpret_cast<const double*>(windows.of(t));
       messages[o].insert(messages[o].end(), window, window + numbers);
     }
-  const std::vector<Message> received = backend.exchange(std::move(messages));
+  }
+  std::vector<std::size_t> sizes;
+  for (const std::vector<int>& tiles : halo.receives) sizes.push_back(tiles.size() * numbers);
+  const std::vector<Message> received = backend.exchange_sized(std::move(messages), sizes);
   for (std::size_t o = 0; o < halo.receives.size(); ++o)
     for (std::size_t i = 0; i < halo.receives[o].size(); ++i)
       std::memcpy(static_cast<void*>(windows.of(halo.receives[o][i])), &received[o][i * numbers],
                   numbers * sizeof(double));
 }
 
+/// Adds up the sums of tiles, which come by their numbers in the run: first those of a block of tiles, then the blocks. So an
+/// owner of a whole block hands out one sum.
+class SumOfBlocks {
+ public:
+  static constexpr long n_tiles = 64;
+
+  void add(long tile, const TileSums& sums) {
+    begin_block_of(tile);
+    block_.add(sums);
+  }
+  /// The sum of all of a block, of which `tile` is the first.
+  void add_block(long tile, const TileSums& sums) {
+    begin_block_of(tile);
+    block_ = sums;
+  }
+  TileSums total() {
+    begin_block_of(-1);
+    return total_;
+  }
+
+ private:
+  void begin_block_of(long tile) {
+    const long number = tile < 0 ? -1 : tile / n_tiles;
+    if (number == number_) return;
+    total_.add(block_);
+    block_ = {};
+    number_ = number;
+  }
+  TileSums total_, block_;
+  long number_ = -1;
+};
+
+/// Sums as a row of numbers: the tile, which of them are not zero, as bits, and these. Most sums of a stage are zero, which
+/// adds nothing.
+struct RowOfSums {
+  static constexpr std::size_t n = sizeof(TileSums) / sizeof(double);
+  static constexpr std::uint64_t of_block = std::uint64_t(1) << n;  ///< the bit of the sum of a block
+  static_assert(n < 52, "a double holds so many bits");
+
+  static void append(Message& message, long tile, const TileSums& sums, bool is_of_block) {
+    double numbers[n];
+    std::memcpy(numbers, &sums, sizeof sums);
+    std::uint64_t bits = 0;
+    for (std::size_t i = 0; i < n; ++i) bits |= std::uint64_t(numbers[i] != 0) << i;  // of NaN as well
+    if (bits == 0) return;
+    message.insert(message.end(), {double(tile), double(is_of_block ? bits | of_block : bits)});
+    for (const double number : numbers)
+      if (number != 0) message.push_back(number);
+  }
+
+  const double* numbers;
+  long tile() const { return long(numbers[0]); }
+  std::uint64_t bits() const { return std::uint64_t(numbers[1]); }
+  bool is_of_block() const { return bits() & of_block; }
+  std::size_t size() const { return 2 + std::size_t(std::popcount(bits() & (of_block - 1))); }
+  TileSums sums() const {
+    double all[n] = {};
+    const double* next = numbers + 2;
+    for (std::size_t i = 0; i < n; ++i)
+      if (bits() >> i & 1) all[i] = *next++;
+    TileSums sums;
+    std::memcpy(static_cast<void*>(&sums), all, sizeof sums);
+    return sums;
+  }
+};
+
 /// The sum over all tiles of a run in their order, whoever owns them; `parts`: of those held here.
 template <int Dim>
 TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const std::vector<TileSums>& parts) {
-  TileSums total;
+  SumOfBlocks sum;
   if (backend.n_owners() == 1) {
-    for (const TileSums& part : parts) total.add(part);
-    return total;
+    for (std::size_t t = 0; t < parts.size(); ++t) sum.add(long(t), parts[t]);
+    return sum.total();
   }
-  constexpr std::size_t n = sizeof(TileSums) / sizeof(double);
   Message mine;
-  for (std::size_t t = 0; t < parts.size(); ++t) {
-    if (!tiles[t].owned) continue;
-    mine.push_back(double(halo.number[t]));
-    const double* numbers = reinterpret_cast<const double*>(&parts[t]);
-    mine.insert(mine.end(), numbers, numbers + n);
+  for (std::size_t t = 0; t < parts.size();) {
+    if (!tiles[t].owned) {
+      ++t;
+      continue;
+    }
+    // A whole block lies one after the other here as well.
+    const long first = halo.number[t], n = std::min(SumOfBlocks::n_tiles, halo.n_tiles - first);
+    bool is_whole = first % SumOfBlocks::n_tiles == 0 && t + std::size_t(n) <= parts.size();
+    for (std::size_t k = 0; k < std::size_t(n) && is_whole; ++k)
+      is_whole = tiles[t + k].owned && halo.number[t + k] == first + long(k);
+    if (is_whole) {
+      TileSums block;
+      for (std::size_t k = 0; k < std::size_t(n); ++k) block.add(parts[t + k]);
+      RowOfSums::append(mine, first, block, true);
+      t += std::size_t(n);
+    } else {
+      RowOfSums::append(mine, first, parts[t], false);
+      ++t;
+    }
   }
-  struct Row {
-    double number;
-    const double* sums;
-  };
   const std::vector<Message> all = backend.gather(mine);
-  std::vector<Row> rows;
+  std::vector<RowOfSums> rows;
   for (const Message& m : all)
-    for (std::size_t i = 0; i < m.size(); i += n + 1) rows.push_back({m[i], &m[i + 1]});
-  std::sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.number < b.number; });
-  for (const Row& row : rows) {
-    TileSums part;
-    std::memcpy(static_cast<void*>(&part), row.sums, sizeof(TileSums));
-    total.add(part);
+    for (const double* row = m.data(); row != m.data() + m.size(); row += rows.back().size()) rows.push_back({row});
+  std::sort(rows.begin(), rows.end(), [](const RowOfSums& a, const RowOfSums& b) { return a.tile() < b.tile(); });
+  for (const RowOfSums& row : rows) {
+    if (row.is_of_block())
+      sum.add_block(row.tile(), row.sums());
+    else
+      sum.add(row.tile(), row.sums());
   }
-  return total;
+  return sum.total();
 }
 
 /// Adds the accounts of all tiles of a run in their order, whoever owns them; `parts`: of those held here.

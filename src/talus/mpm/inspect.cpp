@@ -80,14 +80,14 @@ void gather(Backend& backend, Observation& seen) {
   std::vector<std::size_t> rows;
   for (std::size_t row = 0; row < own.size(); ++row)
     if (!std::isnan(own[row])) rows.push_back(row);
-  const std::vector<Message> all_rows = backend.gather(Message(rows.begin(), rows.end()));
+  const std::vector<Message> all_rows = backend.gather_at_first(Message(rows.begin(), rows.end()));
   for (Field& f : seen.fields) {
     const std::size_t n = std::size_t(f.components);
     Message mine;
     for (std::size_t row : rows)
       mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(row * n),
                   f.values.begin() + std::ptrdiff_t((row + 1) * n));
-    const std::vector<Message> all = backend.gather(mine);
+    const std::vector<Message> all = backend.gather_at_first(mine);
     for (std::size_t o = 0; o < all.size(); ++o)
       for (std::size_t i = 0; i < all_rows[o].size(); ++i)
         std::copy_n(&all[o][i * n], n, &f.values[std::size_t(all_rows[o][i]) * n]);
@@ -101,7 +101,7 @@ void gather(Backend& backend, ParticlePlaces& all) {
     if (!std::isnan(all.sizes[row]))
       mine.insert(mine.end(), {double(row), all.places[row][0], all.places[row][1], all.places[row][2], all.sizes[row],
                                all.masses[row], double(all.ancestors[row])});
-  for (const Message& rows : backend.gather(mine))
+  for (const Message& rows : backend.gather_at_first(mine))
     for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7) {
       const auto at = std::size_t(row[0]);
       all.places[at] = {row[1], row[2], row[3]};

@@ -34,7 +34,7 @@ template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, const RowsOfIds& rows,
                   Observation& seen);
 
-/// What can be told of the particles of all owners, from what each can tell of its own; `seen` has room for all.
+/// Puts together, for the first owner, what each can tell of its own particles; `seen` has room for all.
 void gather(Backend& backend, Observation& seen);
 void gather(Backend& backend, ParticlePlaces& all);
 /// The first text that is not empty, in the order of owners.

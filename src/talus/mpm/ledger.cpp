@@ -37,6 +37,7 @@ void Ledger::add_stresses(const TileSums& tiles, double step_length, double felt
   viscous += tiles[Sum::viscous_work];
   numerical -= tiles[Sum::internal_work] + tiles[Sum::viscous_work];
   collisional += tiles[Sum::collisional_work];
+  returned += tiles[Sum::returned_work];
   n_separated = long(tiles[Sum::separated]);
   n_unconverged += long(tiles[Sum::unconverged]);
 }

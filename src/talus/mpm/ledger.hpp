@@ -32,8 +32,10 @@ struct Ledger {
   double elastic = 0;      ///< stored in the material, as its state says
   double plastic = 0;      ///< work that laws have not stored since the start: heat of friction (see Response)
   double collisional = 0;  ///< work done against collisional stress since the start
-  double averaging = 0;    ///< lost since the start where elastic compression was averaged over cells
-  double viscous = 0;      ///< heat of the bulk viscosity since the start
+  /// Work that collisions have returned to shear since the start, counted where they did; `collisional` is net of it.
+  double returned = 0;
+  double averaging = 0;  ///< lost since the start where elastic compression was averaged over cells
+  double viscous = 0;    ///< heat of the bulk viscosity since the start
   /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
   /// stress on motion that the nodes make and the particles do not, and what shifting particles has lowered them.
   double numerical = 0;

@@ -15,7 +15,7 @@ OccupiedTiles<Dim> gather(Backend& backend, const OccupiedTiles<Dim>& own) {
   Message mine;
   for (std::size_t t = 0; t < own.places.size(); ++t) {
     mine.insert(mine.end(), own.places[t].begin(), own.places[t].end());
-    mine.push_back(double(own.n_particles[t]));
+    mine.push_back(double(own.work[t]));
   }
   OccupiedTiles<Dim> all;
   for (const Message& m : backend.gather(mine))
@@ -37,14 +37,18 @@ void move_to_owners(Backend& backend, Bodies& bodies, const Domain<Dim>& domain,
   for (auto& body : bodies) {
     Columns& columns = body.particles.columns();
     std::vector<std::vector<int>> rows(n_owners);
+    int t = 0;
     for (int i = 0; i < columns.size(); ++i) {
-      const int t = occupied.find(tile_of_cell<Dim>(cell_of_particle(body.particles, i, domain)));
+      const Index<Dim> place = tile_of_cell<Dim>(cell_of_particle(body.particles, i, domain));
+      if (i == 0 || occupied.places[std::size_t(t)] != place) t = occupied.find(place);
       rows[std::size_t(owners[std::size_t(t)])].push_back(i);
     }
     std::vector<Message> messages(n_owners);
-    for (std::size_t o = 0; o < n_owners; ++o)
+    for (std::size_t o = 0; o < n_owners; ++o) {
+      messages[o].reserve(rows[o].size() * std::size_t(columns.n_columns()));
       for (int c = 0; c < columns.n_columns(); ++c)
         for (int i : rows[o]) messages[o].push_back(columns.column(c)[i]);
+    }
     const std::vector<Message> received = backend.exchange(std::move(messages));
     const std::size_t n_columns = std::size_t(columns.n_columns());
     std::size_t n = 0, first = 0;

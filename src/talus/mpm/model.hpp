@@ -50,6 +50,11 @@ double unit_weight_of(const std::vector<ShapedBody<Dim, Shape>>& bodies, const V
   return volume > 0 ? mass / volume * std::sqrt(dot(gravity, gravity)) : 0;
 }
 
+/// Time that a thread has taken for the stresses of a body's particles [s], and for how many updates.
+struct StressTime {
+  double seconds = 0, updates = 0;
+};
+
 template <int Dim, class Shape>
 struct Model {
   using Layout = TileLayout<Dim, Shape>;
@@ -70,6 +75,7 @@ struct Model {
     }
     n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
     most_particles = growth * n_particles;
+    stress_times.assign(scratch.size(), std::vector<StressTime>(bodies.size()));
   }
 
   Domain<Dim> domain;
@@ -88,10 +94,11 @@ struct Model {
   Grid<Dim, Shape> grid;
   Halo halo;
   std::optional<Walls<Dim>> walls;
-  std::vector<std::vector<NodeContact>> contacts;  ///< tile by tile
-  std::vector<TileAccounts> accounts;              ///< of this step, tile by tile
-  Shares shares;                                   ///< the tiles, dealt out to threads
-  std::vector<Scratch> scratch;                    ///< one a thread
+  std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
+  std::vector<TileAccounts> accounts;                 ///< of this step, tile by tile
+  Shares shares;                                      ///< the tiles, dealt out to threads
+  std::vector<Scratch> scratch;                       ///< one a thread
+  std::vector<std::vector<StressTime>> stress_times;  ///< by thread and body, since particles were put in order
 
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
   static constexpr double loosest = 1.25;

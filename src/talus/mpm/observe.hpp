@@ -78,7 +78,8 @@ FlowPoints flow_of(const Model<Dim, Shape>& m) {
   for (std::size_t b = 0; b < m.bodies.size(); ++b) add_flow_of_body<Dim>(m.bodies[b], m.most_room[b], mine);
   const RowsOfIds order = rows_of_ids(m);
   std::vector<const double*> rows(order.size());
-  const std::vector<Message> all = m.backend.gather(mine);
+  const std::vector<Message> all = m.backend.gather_at_first(mine);
+  if (all.empty()) return {};
   for (const Message& of_owner : all)
     for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += flow_row)
       rows[order.row(row[0])] = row;
@@ -110,7 +111,7 @@ std::vector<TilePressure> pressures_of(const Model<Dim, Shape>& m) {
       mine.insert(mine.end(),
                   {double(p.tile[0]), double(p.tile[1]), double(p.tile[2]), p.volume, p.pressure, p.scatter, p.speed});
   std::vector<TilePressure> all;
-  for (const Message& rows : m.backend.gather(mine))
+  for (const Message& rows : m.backend.gather_at_first(mine))
     for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7)
       all.push_back({{int(row[0]), int(row[1]), int(row[2])}, row[3], row[4], row[5], row[6]});
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });

@@ -61,6 +61,12 @@ struct TilePressure {
   double speed;     ///< root of their mean squared speed [m/s]
 };
 
+/// What one owner of a run holds.
+struct Share {
+  long n_particles = 0, n_tiles = 0;
+  long n_neighbours = 0;  ///< owners with which it exchanges windows of tiles
+};
+
 /// Writes, or reads, one array of what decides how a run goes on, by its name.
 using WriteArray = std::function<void(const std::string& name, std::span<const double> values)>;
 using ReadArray = std::function<std::vector<double>(const std::string& name)>;
@@ -90,6 +96,8 @@ class Simulation {
   virtual long n_particles() const = 0;
   virtual long n_tiles() const = 0;
   virtual std::size_t bytes() const = 0;
+  /// Of this owner.
+  virtual Share share() const = 0;
   /// The step that step() would take now [s].
   virtual double next_dt() const = 0;
 

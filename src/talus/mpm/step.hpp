@@ -38,7 +38,7 @@ class Stepper final : public Simulation {
     double elastic = 0;
     for (const auto& body : model_.bodies) {
       double of_body = 0;
-      for (double energy : joined(model_.backend, elastic_energies<Dim>(body, 0))) of_body += energy;
+      for (double energy : joined(model_.backend.gather(elastic_energies<Dim>(body, 0)))) of_body += energy;
       elastic += of_body;
     }
     ledger_.start(add_up_particles(model_), elastic);
@@ -92,6 +92,14 @@ class Stepper final : public Simulation {
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;
   }
+  Share share() const override {
+    Share share;
+    for (const auto& body : model_.bodies) share.n_particles += body.particles.size();
+    for (int t = 0; t < model_.grid.n_tiles(); ++t) share.n_tiles += model_.grid.tile(t).owned;
+    for (std::size_t o = 0; o < model_.halo.sends.size(); ++o)
+      share.n_neighbours += !model_.halo.sends[o].empty() || !model_.halo.receives[o].empty();
+    return share;
+  }
   void save(const WriteArray& write) const override {
     talus::save(model_, ledger_, tally_, carried_, write);
     save_surfaces(surfaces_, write);
@@ -121,12 +129,13 @@ class Stepper final : public Simulation {
     carried_.viscosity = sums[Most::viscosity];
     if (sums[Sum::faulty] > 0) {
       broken_ = true;
-      stop_at_bad_stress(model_, ledger_);
+      stop_at_bad_stress(model_, ledger_, carried_.wave_speed);
     }
   }
   void accelerate(const StepInput& step) {
     const TileSums sums = accelerate_nodes(model_, step);
     ledger_.add_accelerations(sums);
+    finite_wave_speed_ = carried_.wave_speed;
     carried_.wave_speed = std::sqrt(sums[Most::wave_speed2]);
     carried_.drift += std::sqrt(sums[Most::node_speed2]) * step.dt / model_.domain.h;
   }
@@ -165,7 +174,7 @@ class Stepper final : public Simulation {
   void expect_inside(const TileSums& sums) {
     if (sums[Sum::faulty] == 0) return;
     broken_ = true;
-    stop_outside(model_, ledger_);
+    stop_outside(model_, ledger_, finite_wave_speed_);
   }
   /// Whether gravity leans to a periodic axis.
   bool falls_round() const {
@@ -225,6 +234,7 @@ class Stepper final : public Simulation {
   std::vector<SurfaceAccount> surfaces_;  ///< since the start
   StepTally tally_;
   Carried carried_;
+  double finite_wave_speed_ = 0;         ///< of the step before [m/s], for messages
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]
   std::vector<Stiffening> stiffenings_;  ///< of squared wave speed where grains meet without stress, one a body
   bool broken_ = false;                  ///< particles may stand anywhere

@@ -19,6 +19,7 @@ enum class Sum {
   internal_work,           ///< of the stress on the particles' strain in this step
   plastic_work,            ///< the part of it turned into heat by friction
   collisional_work,        ///< the part of it done against collisional stress
+  returned_work,           ///< what shear got back from collisions in this step, counted where it did
   viscous_work,            ///< of the bulk viscosity's pressure, on the same strain
   grid_work,               ///< of the same stress on the motion of the nodes in this step
   gravity_work,            ///< on the motion of the nodes in this step

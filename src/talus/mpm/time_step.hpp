@@ -31,12 +31,12 @@ struct StepBounds {
 /// The bound that a step stopped at.
 enum class Bound { waves_and_motion, viscosity, gravity, contact, growth, fixed };
 inline constexpr Choice bound_names[] = {
-    {"waves_and_motion", "waves and particles stay within a share of a cell"},
-    {"viscosity", "viscous stress diffuses stably"},
-    {"gravity", "from rest gravity carries no particle beyond that share"},
-    {"contact", "what meets without stress and stiffens within the step stays stable"},
-    {"growth", "1.2 times the step before, so that what stiffens is seen in time"},
-    {"fixed", "the step the case file fixes"},
+    {"waves_and_motion", "waves and particles travel at most the share `cfl` of a cell"},
+    {"viscosity", "stability of viscous stress"},
+    {"gravity", "gravity moves no particle at rest by more than the share `cfl` of a cell"},
+    {"contact", "stability of contacts that close within the step"},
+    {"growth", "at most 1.2 times the step before"},
+    {"fixed", "fixed by `dt` of the case"},
 };
 inline constexpr int n_bounds = std::size(bound_names);
 

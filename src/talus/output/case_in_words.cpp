@@ -17,12 +17,12 @@ std::string surface_in_words(const Wall& surface) {
     case WallKind::friction:
       return fmt::format("friction {:.3g}{}{}", surface.friction,
                          surface.xi > 0 ? fmt::format(" and turbulent friction, xi = {:g} m/s2", surface.xi) : "",
-                         surface.separates ? "" : " and held");
+                         surface.separates ? "" : ", no separation");
     case WallKind::symmetry: return "plane of symmetry";
-    case WallKind::no_slip: return "sticking";
+    case WallKind::no_slip: return "no slip";
     case WallKind::periodic: return "periodic";
     case WallKind::outflow: return "outflow";
-    default: return surface.separates ? "smooth, lets go" : "smooth";
+    default: return surface.separates ? "frictionless" : "frictionless, no separation";
   }
 }
 
@@ -43,8 +43,8 @@ std::string body_in_words(const Case& case_, const BodySpec& body) {
                       : std::holds_alternative<PointList>(body.region)    ? "list of points"
                       : std::holds_alternative<SurfaceLayer>(body.region) ? "layer on the ground"
                                                                           : "box";
-  const std::string apart = body.spacing > 0 ? fmt::format(", with particles {} apart", length(body.spacing)) : "";
-  return fmt::format(" `{}` is a {} within {}, of {} (law {}){}.", body.name, shape,
+  const std::string apart = body.spacing > 0 ? fmt::format(", particle spacing {}", length(body.spacing)) : "";
+  return fmt::format(" Body `{}`: {} within {}, material {} (law {}){}.", body.name, shape,
                      size_of(bounding_box(body.region, case_.dim), case_.dim), material.name,
                      std::visit([](const auto& law) { return std::string(law.name); }, material.law), apart);
 }
@@ -52,9 +52,9 @@ std::string body_in_words(const Case& case_, const BodySpec& body) {
 std::string load_in_words(const Case& case_, const SurfaceLoad& load) {
   std::vector<std::string> stresses;
   for (int a = 0; a < case_.dim; ++a) stresses.push_back(with_unit(load.traction[a], "Pa"));
-  return fmt::format(" On side {} of `{}` acts ({}){}{}.", side_choices[load.side].word, case_.bodies[load.body].name,
-                     fmt::join(stresses, ", "), load.within ? ", on a part of it" : "",
-                     load.factor.empty() ? "" : ", which changes in time");
+  return fmt::format(" Load on side {} of `{}`: stress ({}){}{}.", side_choices[load.side].word,
+                     case_.bodies[load.body].name, fmt::join(stresses, ", "),
+                     load.within ? ", on a part of the side" : "", load.factor.empty() ? "" : ", varying in time");
 }
 
 std::string walls_in_words(const Case& case_) {
@@ -63,15 +63,15 @@ std::string walls_in_words(const Case& case_) {
     if (case_.walls[side].kind != WallKind::open)
       walls.push_back(
           fmt::format("{}_{} {}", "xyz"[side / 2], side % 2 == 0 ? "min" : "max", surface_in_words(case_.walls[side])));
-  return walls.empty() ? " There are no walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
+  return walls.empty() ? " No walls." : fmt::format(" Walls: {}.", fmt::join(walls, ", "));
 }
 
 std::string solid_in_words(const Solid& solid) {
-  return fmt::format(" `{}` is a {}, {}, that {}.", solid.name, solid.hollow ? "hollow solid" : "solid",
+  return fmt::format(" Solid `{}`: {}{}, {}.", solid.name, solid.hollow ? "hollow, " : "",
                      surface_in_words(solid.contact),
-                     solid.motion.rests()         ? "rests"
-                     : solid.motion.angle.empty() ? "moves"
-                                                  : "turns");
+                     solid.motion.rests()         ? "at rest"
+                     : solid.motion.angle.empty() ? "moving"
+                                                  : "rotating");
 }
 
 }  // namespace
@@ -87,7 +87,7 @@ std::string in_words(const Case& case_) {
   for (const SurfaceLoad& load : case_.loads) text += load_in_words(case_, load);
   text += walls_in_words(case_);
   for (const Solid& solid : case_.solids) text += solid_in_words(solid);
-  return text + fmt::format(" It is followed until {}.", with_unit(case_.end, "s"));
+  return text + fmt::format(" Simulated time: {}.", with_unit(case_.end, "s"));
 }
 
 }  // namespace talus

@@ -5,12 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
-#include <cstring>
+#include <algorithm>
+#include <fstream>
+#include <optional>
 #include <stdexcept>
 
 #include "talus/base/error.hpp"
 #include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
+#include "talus/output/hdf5.hpp"
 
 namespace talus {
 
@@ -24,95 +27,141 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kind = "talus checkpoint ", format = "5\n";
-constexpr std::string_view run_so_far = "the run so far";  // the array that holds bytes of JSON, not numbers
+constexpr std::string_view kind = "talus checkpoint ", format = "6\n";
 
-std::uint32_t checksum(std::uint32_t before, const void* bytes, std::size_t n) {
-  return std::uint32_t(::crc32_z(before, static_cast<const unsigned char*>(bytes), n));
+/// What stands before the HDF5 file in the same file, in what HDF5 calls a user block: what it is, and the checksum of the
+/// rest.
+constexpr std::size_t block_size = 512;
+std::string block_of(std::uint32_t checksum) {
+  std::string block =
+      fmt::format("{}{}an HDF5 file from byte {} on, with the CRC-32 {:08x}\n", kind, format, block_size, checksum);
+  block.resize(block_size, '\n');
+  return block;
 }
 
-/// Writes the parts of a checkpoint and its checksum.
+/// Throws std::runtime_error with the reason, unless a file has its block and checksum. Returns the checksum of the rest.
+std::uint32_t checksum_after_block(std::ifstream& in) {
+  std::vector<char> piece(1 << 20);
+  std::uint32_t sum = 0;
+  while (in.read(piece.data(), std::streamsize(piece.size())), in.gcount() > 0)
+    sum = std::uint32_t(::crc32_z(sum, reinterpret_cast<const unsigned char*>(piece.data()), std::size_t(in.gcount())));
+  return sum;
+}
+void expect_undamaged(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::string block(block_size, ' ');
+  in.read(block.data(), std::streamsize(block_size));
+  block.resize(std::size_t(in.gcount()));
+  if (block.substr(0, kind.size()) != kind) throw std::runtime_error("it is no checkpoint of talus");
+  if (block.substr(kind.size(), format.size()) != format)
+    throw std::runtime_error("it is of another format than this version of talus writes, or damaged");
+  if (block != block_of(checksum_after_block(in)))
+    throw std::runtime_error("it is damaged: cut off, or changed since it was written (its checksum does not fit)");
+}
+
+using hdf5::check, hdf5::Handle;
+
+/// Writes a checkpoint.
 class Writer {
  public:
-  explicit Writer(const fs::path& file) : file_(file) {}
-  void bytes(const void* p, std::size_t n) {
-    if (n == 0) return;  // zlib reads the null pointer of an empty array as the start of a sum
-    sum_ = checksum(sum_, p, n);
-    file_.write(p, n);
+  explicit Writer(const fs::path& file) : whole_(file), name_(file) {
+    hdf5::begin();
+    in_words([&] {
+      const Handle properties(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make properties");
+      check(H5Pset_userblock(properties, block_size), "begin a file");
+      file_.emplace(H5Fcreate(whole_.unfinished().c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT), H5Fclose,
+                    "create the file");
+      state_.emplace(H5Gcreate2(*file_, "state", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
+    });
   }
-  void array(std::string_view name, const void* p, std::size_t n) {
-    for (std::string_view part : {name, std::string_view(static_cast<const char*>(p), n)}) {
-      const std::uint64_t length = part.size();
-      bytes(&length, sizeof length);
-      bytes(part.data(), part.size());
-    }
+  void text(const char* name, const std::string& text) {
+    make_room_for(text.size());
+    in_words([&] { hdf5::write_text(*file_, name, text); });
+  }
+  void array(const std::string& name, std::span<const double> values) {
+    make_room_for(values.size_bytes());
+    in_words([&] {
+      const hsize_t n = values.size();
+      const Handle space(H5Screate_simple(1, &n, nullptr), H5Sclose, "make a space");
+      const Handle set(H5Dcreate2(*state_, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                       H5Dclose, "make a dataset");
+      if (n > 0)
+        check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
+    });
   }
   void finish() {
-    const std::uint32_t sum = sum_;
-    bytes(&sum, sizeof sum);
-    file_.finish_on_disk();
+    hsize_t size = 0;
+    in_words([&] {
+      state_.reset();
+      check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "write the file");
+      check(H5Fget_filesize(*file_, &size), "measure the file");
+      file_.reset();
+    });
+    whole_.cut_to(size);
+    std::ifstream in(whole_.unfinished(), std::ios::binary);
+    in.seekg(block_size);
+    const std::string block = block_of(checksum_after_block(in));
+    whole_.write_at_start(block.data(), block.size());
+    whole_.finish_on_disk();
   }
 
  private:
-  WholeFile file_;
-  std::uint32_t sum_ = 0;
-};
-
-/// Reads the parts of a checkpoint one after another.
-class Reader {
- public:
-  explicit Reader(std::string_view rest) : rest_(rest) {}
-  bool at_end() const { return rest_.empty(); }
-  std::string_view part() {
-    std::uint64_t length;
-    std::memcpy(&length, next(sizeof length).data(), sizeof length);
-    return next(length);
+  /// HDF5 says neither which file it cannot write nor why; so there is room before it writes.
+  void make_room_for(std::size_t bytes) {
+    constexpr std::size_t for_names = 1 << 16;
+    hsize_t size = 0;
+    in_words([&] { check(H5Fget_filesize(*file_, &size), "measure the file"); });
+    whole_.reserve(size + bytes + for_names);
   }
-
- private:
-  std::string_view next(std::size_t n) {
-    if (n > rest_.size()) throw std::runtime_error("its parts do not fit together");
-    const std::string_view bytes = rest_.substr(0, n);
-    rest_.remove_prefix(n);
-    return bytes;
-  }
-  std::string_view rest_;
-};
-
-SavedRun read(const fs::path& file) {
-  const std::string content = contents_of(file);
-  std::string_view rest = content;
-  if (rest.substr(0, kind.size()) != kind) throw std::runtime_error("it is no checkpoint of talus");
-  rest.remove_prefix(kind.size());
-  if (rest.substr(0, format.size()) != format)
-    throw std::runtime_error("it is of another format than this version of talus writes, or damaged");
-  std::uint32_t sum;
-  if (rest.size() < format.size() + sizeof sum) throw std::runtime_error("it is cut off");
-  const std::size_t summed = content.size() - sizeof sum;
-  std::memcpy(&sum, &content[summed], sizeof sum);
-  if (checksum(0, content.data(), summed) != sum)
-    throw std::runtime_error("it is damaged: cut off, or changed since it was written (its checksum does not fit)");
-
-  SavedRun saved;
-  saved.file = file;
-  for (Reader parts(rest.substr(format.size(), rest.size() - format.size() - sizeof sum)); !parts.at_end();) {
-    const std::string name(parts.part());
-    const std::string_view values = parts.part();
-    if (name == run_so_far) {
-      const auto json = nlohmann::json::parse(values);
-      for (const auto& [key, mine] : {std::pair{"version", version()}, std::pair{"build", build()}})
-        if (const std::string its = json.at(key); !same_bits(its, mine))
-          throw std::runtime_error(
-              fmt::format("the run was begun by {} {}, and this is {}: another one may give other bits",
-                          key == std::string_view("version") ? "talus" : "the build", its, mine));
-      saved.number = json.at("number");
-      saved.so_far = json.at("run");
-    } else {
-      std::vector<double>& numbers = saved.state[name];
-      numbers.resize(values.size() / sizeof(double));
-      if (!numbers.empty()) std::memcpy(numbers.data(), values.data(), numbers.size() * sizeof(double));
+  template <class F>
+  void in_words(F f) const {
+    try {
+      f();
+    } catch (const std::exception& e) {
+      throw std::runtime_error(fmt::format("{} cannot be written: {}", name_.string(), e.what()));
     }
   }
+
+  WholeFile whole_;
+  fs::path name_;
+  std::optional<Handle> file_, state_;
+};
+
+std::vector<double> numbers_of(hid_t group, const std::string& name) {
+  const Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
+  const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
+  std::vector<double> numbers(std::size_t(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
+  if (!numbers.empty())
+    check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()), "read a dataset");
+  return numbers;
+}
+
+SavedRun read(const fs::path& name) {
+  expect_undamaged(name);
+  hdf5::begin();
+  const Handle file(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open the file");
+  auto json = nlohmann::json::parse(hdf5::read_text(file, "run"));
+  for (const auto& [key, mine] : {std::pair{"version", version()}, std::pair{"build", build()}})
+    if (const std::string its = json.at(key); !same_bits(its, mine))
+      throw std::runtime_error(
+          fmt::format("the run was begun by {} {}, and this is {}: another one may give other bits",
+                      key == std::string_view("version") ? "talus" : "the build", its, mine));
+  json.at("run")["case_text"] = hdf5::read_text(file, "case");
+  SavedRun saved;
+  saved.file = name;
+  saved.number = json.at("number");
+  saved.so_far = json.at("run");
+  const Handle state(H5Gopen2(file, "state", H5P_DEFAULT), H5Gclose, "find the state");
+  std::vector<std::string> names;
+  check(H5Literate(
+            state, H5_INDEX_NAME, H5_ITER_INC, nullptr,
+            [](hid_t, const char* link, const H5L_info_t*, void* all) -> herr_t {
+              static_cast<std::vector<std::string>*>(all)->push_back(link);
+              return 0;
+            },
+            &names),
+        "list the state");
+  for (const std::string& array : names) saved.state[array] = numbers_of(state, array);
   return saved;
 }
 
@@ -167,16 +216,12 @@ Checkpoints::Checkpoints(fs::path folder, const SavedRun* saved)
 }
 
 void Checkpoints::write(const RunSoFar& so_far, const Simulation& simulation) {
+  nlohmann::json json{{"version", version()}, {"build", build()}, {"number", number_ + 1}, {"run", so_far}};
+  json["run"].erase("case_text");
   Writer out(file(folder_, 1 - place_));
-  out.bytes(kind.data(), kind.size());
-  out.bytes(format.data(), format.size());
-  const std::string text =
-      nlohmann::json{{"version", version()}, {"build", build()}, {"number", number_ + 1}, {"run", so_far}}.dump(
-          -1, ' ', false, nlohmann::json::error_handler_t::replace);
-  out.array(run_so_far, text.data(), text.size());
-  simulation.save([&](const std::string& name, std::span<const double> values) {
-    out.array(name, values.data(), values.size_bytes());
-  });
+  out.text("case", so_far.case_text);
+  out.text("run", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
+  simulation.save([&](const std::string& name, std::span<const double> values) { out.array(name, values); });
   out.finish();
   place_ = 1 - place_;
   ++number_;
@@ -189,7 +234,7 @@ std::string Checkpoints::last() const {
 }
 
 fs::path Checkpoints::file(const fs::path& folder, int place) {
-  return folder / fmt::format("checkpoint_{}.talus", place);
+  return folder / fmt::format("checkpoint_{}.h5", place);
 }
 
 bool Checkpoints::any_in(const fs::path& folder) { return fs::exists(file(folder, 0)) || fs::exists(file(folder, 1)); }

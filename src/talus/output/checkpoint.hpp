@@ -1,9 +1,10 @@
 #pragma once
 /// Checkpoints: the state of a run, so that it can be stopped and resumed as if it had not stopped.
 ///
-/// A run keeps its last two in its folder, checkpoint_0.talus and checkpoint_1.talus, and always replaces the older.
-/// A file holds a line that says what it is, then named arrays of eight-byte numbers as the machine has them, among
-/// them what the run has written so far (JSON), and last the CRC-32 of everything before.
+/// A run keeps its last two in its folder, checkpoint_0.h5 and checkpoint_1.h5, and always replaces the older.
+/// Each is an HDF5 file: `case` is the text of the case; `run` (JSON) has version and build of talus and what the run has
+/// written so far; the group `state` holds the arrays of Simulation::save. 512 bytes before it, its user block, say what
+/// it is and have the CRC-32 of the rest.
 
 #include <cmath>
 #include <filesystem>

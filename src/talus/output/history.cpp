@@ -179,8 +179,7 @@ Chart chart(const char* name, const char* caption, std::string y_label, double y
 
 Chart chart_of_fronts(const History& history, const LengthUnit& unit) {
   const auto column = [&](const char* name) { return number_of(history, name); };
-  return chart("front", "How far the deposit reaches", fmt::format("position of the fronts [{}]", unit.name),
-               1 / unit.length,
+  return chart("front", "Edge of the deposit", fmt::format("position of the fronts [{}]", unit.name), 1 / unit.length,
                column("front_radius [m]") > 0
                    ? Curves{{column("front_radius [m]"), "radius of the deposit"}}
                    : Curves{{column("front_x_min [m]"), "left"}, {column("front_x_max [m]"), "right"}});
@@ -188,7 +187,7 @@ Chart chart_of_fronts(const History& history, const LengthUnit& unit) {
 
 Chart chart_of_energies(const History& history) {
   const auto column = [&](const char* name) { return number_of(history, name); };
-  Chart energy = chart("energy", "Where the energy went", "energy [J]", 1,
+  Chart energy = chart("energy", "Energy balance", "energy [J]", 1,
                        {{column("kinetic_energy [J]"), "kinetic"},
                         {column("elastic_energy [J]"), "elastic"},
                         {column("plastic_dissipation [J]"), "friction"},
@@ -198,11 +197,11 @@ Chart chart_of_energies(const History& history) {
                         {column("numerical_dissipation [J]"), "numerical"},
                         {column("wall_friction [J]"), "friction on walls"},
                         {column("work_on_solids [J]"), "work on solids"},
-                        {column("energy_error [J]"), "not accounted for"}});
+                        {column("energy_error [J]"), "balance error"}});
   if (const int loads = column("work_of_loads [J]"); loads > 0)
     energy.curves.insert(energy.curves.end() - 1, {loads, "work of loads"});
   if (const int outflow = column("outflow_kinetic_energy [J]"); outflow > 0)
-    energy.curves.insert(energy.curves.begin() + 1, {outflow, "kinetic, flowed out"});
+    energy.curves.insert(energy.curves.begin() + 1, {outflow, "kinetic, left the domain"});
   return energy;
 }
 
@@ -227,16 +226,16 @@ std::vector<Chart> charts_of(const History& history, const LengthUnit& unit) {
   const auto column = [&](const char* name) { return number_of(history, name); };
   std::vector<Chart> charts = {
       chart_of_fronts(history, unit),
-      chart("height", "How high it stands", fmt::format("height [{}]", unit.name), 1 / unit.length,
+      chart("height", "Height of the material", fmt::format("height [{}]", unit.name), 1 / unit.length,
             {{column("height [m]"), "highest point"}, {column("height_at_axis [m]"), "at the axis"}})};
   if (Chart forces = chart_of_forces(history); !forces.curves.empty()) charts.push_back(std::move(forces));
   if (column("outflow_mass [kg]") > 0)
-    charts.push_back(chart("outflow", "How much has flowed out", "mass [kg]", 1,
-                           {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "flowed out"}}));
+    charts.push_back(chart("outflow", "Mass in the domain and mass that has left", "mass [kg]", 1,
+                           {{column("mass [kg]"), "in the domain"}, {column("outflow_mass [kg]"), "left the domain"}}));
   charts.push_back(chart_of_energies(history));
-  charts.push_back(chart("step", "The time step", "time step [\u00b5s]", 1e6, {{column("dt [s]"), "time step"}}));
-  charts.push_back(chart("separated", "Particles whose grains have moved apart", "particles", 1,
-                         {{column("separated_particles"), "separated particles"}}));
+  charts.push_back(chart("step", "Time step", "time step [\u00b5s]", 1e6, {{column("dt [s]"), "time step"}}));
+  charts.push_back(chart("separated", "Particles without stress", "particles", 1,
+                         {{column("separated_particles"), "particles without stress"}}));
   return charts;
 }
 

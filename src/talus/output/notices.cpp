@@ -14,9 +14,11 @@ std::string notice_of_stiffness(const Numerics& numerics) {
   const double factor = numerics.stiffness_factor;
   if (factor == 1) return "";
   return fmt::format(
-      "The elastic stiffness is scaled by {:.4g} (`stiffness_factor`): steps that waves bound are about {:.2g} times "
-      "longer; waves travel {:.2g} times slower, and the ground settles elastically {:.3g} times as much. Compare one "
-      "run with 1.",
+      "The elastic stiffness is scaled by {:.4g} (`stiffness_factor`): time steps limited by waves are about {:.2g} "
+      "times "
+      "longer; waves travel {:.2g} times slower, and elastic settlements are {:.3g} times as large. Compare with one "
+      "run "
+      "with stiffness_factor = 1.",
       factor, 1 / std::sqrt(factor), 1 / std::sqrt(factor), 1 / factor);
 }
 
@@ -46,9 +48,9 @@ std::string notice_of_preset(const Case& case_) {
         },
         m.law);
   std::string text =
-      "preset = \"paper\" is the paper's scheme as printed, for comparison: pressure scatters from particle to "
-      "particle, the rate form leaves collisional stress behind at rest, and stress jumps where particles cross cells "
-      "(docs/numerics.md).";
+      "preset = \"paper\" is the paper's scheme as printed. Use it for comparison only: the pressure of particles "
+      "scatters, "
+      "collisional stress remains at rest, and stress jumps where particles cross cells (docs/numerics.md).";
   if (!departures.empty()) text += fmt::format(" This case departs from it: {}.", fmt::join(departures, ", "));
   return text;
 }
@@ -57,8 +59,8 @@ std::string notice_of_symmetry(const Case& case_) {
   int planes = 0;
   for (const Wall& wall : case_.walls) planes += wall.kind == WallKind::symmetry;
   if (planes == 0) return "";
-  return fmt::format("{} plane{} of symmetry: masses, energies and impulses are those of the part that is computed.",
-                     planes, planes == 1 ? "" : "s");
+  return fmt::format("{} plane{} of symmetry: masses, energies and impulses are those of the computed part.", planes,
+                     planes == 1 ? "" : "s");
 }
 
 std::string notice_of_outflow(const Ledger& l) {
@@ -70,16 +72,15 @@ std::string notice_of_outflow(const Ledger& l) {
                                  way == unknown_ground ? "over ground without heights" : side_choices[way].word,
                                  100 * mass / l.outflow.mass));
   return fmt::format(
-      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides ({}). Fronts and heights are those of what "
-      "is "
-      "still there.",
+      "{:.3g} kg, {:.3g} % of the mass, have left through `outflow` sides ({}). Fronts and heights are those of the "
+      "material in the domain.",
       l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass), fmt::join(ways, ", "));
 }
 
 std::string in_words(const StepTally& t) {
   const auto length = [](double seconds) { return fmt::format("{:.3g} us", 1e6 * seconds); };
   if (t.n() == 0) return "no steps";
-  std::string text = fmt::format("{} steps of {} to {}, {} on average; bound by", t.n(), length(t.shortest),
+  std::string text = fmt::format("{} steps of {} to {}, {} on average; limited by", t.n(), length(t.shortest),
                                  length(t.longest), length(t.mean()));
   std::string separator = " ";
   for (int i = 0; i < n_bounds; ++i) {
@@ -89,8 +90,8 @@ std::string in_words(const StepTally& t) {
     text += fmt::format("{}{} {:.1f} %", separator, name, 100 * t.share(Bound(i)));
     separator = ", ";
     if (Bound(i) == Bound::waves_and_motion)
-      text += fmt::format(" (waves at {:.3g} m/s make {:.0f} % of it, particles at {:.2g} m/s the rest)",
-                          t.mean_of(t.wave_speed), 100 * t.mean_of(t.wave_share), t.mean_of(t.speed));
+      text += fmt::format(" (wave speed {:.3g} m/s, particle speed {:.2g} m/s)", t.mean_of(t.wave_speed),
+                          t.mean_of(t.speed));
   }
   return text;
 }
@@ -106,49 +107,57 @@ std::vector<std::string> warnings_of(const Case& case_, const RunSummary& run) {
   const double energy = l.turnover > 0.01 * case_.cell * weight ? l.turnover : 0;
   if (depends_on_step(case_.numerics))
     warnings.push_back(fmt::format(
-        "The result depends on the time step by construction: {} drops a share of the particles' velocity every step, "
-        "however short it is. Use transfer = \"affine_tau\", or compare runs with different `cfl`.",
+        "The result depends on the time step by construction: {} removes a share of the velocity fluctuations in every "
+        "step, however short. Use transfer = \"affine_tau\", or compare runs with different `cfl`.",
         case_.numerics.transfer == Transfer::flip
             ? fmt::format("`flip_share` = {:.4g}", case_.numerics.flip_share)
             : fmt::format("transfer = \"{}\"", word_of(case_.numerics.transfer))));
   if (energy > 0 && std::abs(l.error()) > most_missed * energy)
-    warnings.push_back(
-        fmt::format("The energy ledger misses {:.1f} % of the energy turned over: a smaller `cfl` helps.",
-                    100 * std::abs(l.error()) / energy));
+    warnings.push_back(fmt::format(
+        "The energy balance has an error of {:.2g} % of the energy released (limit 1 %). Use a smaller `cfl`.",
+        100 * std::abs(l.error()) / energy));
   if (energy > 0 && l.method() > 0.25 * energy)
     warnings.push_back(fmt::format(
-        "Numerical dissipation took {:.0f} % of the energy turned over: finer cells or a longer `tau` lower it.",
+        "Numerical dissipation is {:.0f} % of the energy released (limit 25 %). Use smaller cells or a longer `tau`.",
         100 * l.method() / energy));
   if (energy > 0 && l.method() < -most_missed * energy)
     warnings.push_back(fmt::format(
-        "The method won {:.1f} % of the energy turned over: velocity that the grid cannot hold feeds on itself. "
+        "The method created {:.1f} % of the energy released: velocity fluctuations below the cell size grow. "
         "Use {}a smoother `shape`.",
         -100 * l.method() / energy,
         case_.numerics.transfer == Transfer::affine_tau ? "" : "transfer = \"affine_tau\" or "));
+  if (energy > 0 && l.returned > most_returned * energy)
+    warnings.push_back(fmt::format(
+        "Collisions returned {:.1f} % of the energy released, where the flow extends: the tensor D.D is not "
+        "dissipative there. Use dispersive = \"isotropic\", or the law `granular_rate`.",
+        100 * l.returned / energy));
   if (run.noise && std::max(run.noise->in_time, run.noise->within_cells) > most_noise)
     warnings.push_back(fmt::format(
-        "Pressure in flow is noise to a good part: {:.0f} % of its mean from instant to instant, {:.0f} % "
-        "from particle to particle within a cell. Means over time still hold; single readings do not. {}",
+        "Pressure in flow is noisy: it fluctuates by {:.0f} % of its mean in time and by {:.0f} % among the particles "
+        "of a "
+        "cell. Means over time remain valid; single values do not. {}",
         100 * run.noise->in_time, 100 * run.noise->within_cells,
-        bulk_viscosity_of(case_.numerics) > 0 ? "More particles a cell or finer cells help."
-                                              : "A `bulk_viscosity` of 0.4, with order = \"usf\", calms it."));
+        bulk_viscosity_of(case_.numerics) > 0 ? "Use more particles per cell (smaller `spacing`) or smaller cells."
+                                              : "Use bulk_viscosity = 0.4 with order = \"usf\"."));
   if (l.n_unconverged > 0)
     warnings.push_back(
-        fmt::format("{} stress updates did not converge: a smaller `cfl` helps, or integrator = \"modified_euler\".",
+        fmt::format("{} stress updates did not converge. Use a smaller `cfl`, or integrator = \"modified_euler\".",
                     l.n_unconverged));
   const bool moves = l.kinetic > 0.01 * l.turnover;  // and grains that fly are apart, as they should be
   const double n_particles = double(run.n_particles + l.n_split - l.n_merged);
   if (!moves && double(l.n_separated) > 0.2 * n_particles)
-    warnings.push_back(fmt::format("{:.0f} % of the particles are separated at the end: more particles a cell help.",
-                                   100.0 * double(l.n_separated) / n_particles));
+    warnings.push_back(
+        fmt::format("{:.0f} % of the particles carry no stress at the end (limit 20 %). Use more particles per cell "
+                    "(smaller `spacing`).",
+                    100.0 * double(l.n_separated) / n_particles));
   if (energy > 0 && l.plastic > 0 && moves)
-    warnings.push_back("The material still moves at the end: a later `end` shows the deposit.");
+    warnings.push_back("The material still moves at the end. Use a later `end` to get the deposit.");
   if (run.thalweg && run.thalweg->passes_end)
     warnings.push_back(
-        "The flow has gone past the end of the thalweg: runout and length along it are lower bounds. Draw it longer.");
+        "The flow has passed the end of the thalweg: runout and length are lower bounds. Use a longer thalweg.");
   if (run.thalweg && run.thalweg->starts_above)
     warnings.push_back(
-        "The release begins above the thalweg: drop and length along it are lower bounds. Begin it at the top of the "
+        "The release begins above the thalweg: drop and length are lower bounds. Begin the thalweg at the top of the "
         "release.");
   return warnings;
 }

@@ -13,6 +13,9 @@ inline constexpr double most_missed = 0.01;
 /// Noise of the pressure in flow, as a share of its mean, above which a run warns.
 inline constexpr double most_noise = 0.5;
 
+/// Work that collisions return to shear, as a share of the energy released, above which a run warns.
+inline constexpr double most_returned = 0.01;
+
 /// Consequences of a scaled stiffness for a run; empty if it is not scaled.
 std::string notice_of_stiffness(const Numerics& numerics);
 

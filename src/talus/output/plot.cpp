@@ -50,6 +50,22 @@ bool run_gnuplot(const std::filesystem::path& script) {
   return true;
 }
 
+bool gnuplot_is_installed() {
+  std::string program = "gnuplot", option = "--version";
+  char* arguments[] = {program.data(), option.data(), nullptr};
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  for (int stream : {1, 2}) posix_spawn_file_actions_addopen(&actions, stream, "/dev/null", O_WRONLY, 0);
+  pid_t child = 0;
+  const int failure = posix_spawnp(&child, "gnuplot", &actions, nullptr, arguments, environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (failure != 0) return false;
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
 std::string gnuplot_text(const std::string& text) {
   std::string out = "'";
   for (char c : text) {

@@ -11,6 +11,8 @@ namespace talus {
 /// if gnuplot is not installed; throws std::runtime_error with its message if the script fails.
 bool run_gnuplot(const std::filesystem::path& script);
 
+bool gnuplot_is_installed();
+
 /// Colours from dark to bright that can be distinguished equally well along the whole scale, also in grey (viridis,
 /// sampled), as a gnuplot palette.
 std::string even_palette();

@@ -57,6 +57,7 @@ void add_ledger(const Ledger& l, Json& record) {
                             {"work_on_solids", l.wall_work},
                             {"turnover", l.turnover},
                             {"error", l.error()}};
+  record["returned_by_collisions_joule"] = l.returned;
   if (l.load_impulse != Vec<3>{}) {
     record["ledger_joule"]["work_of_loads"] = l.load_work;
     record["load_impulse_newton_second"] = vector(l.load_impulse);

@@ -21,6 +21,7 @@
 #include "talus/output/page.hpp"
 #include "talus/output/page_parts.hpp"
 #include "talus/output/snapshot.hpp"
+#include "talus/output/surface_profiles.hpp"
 #include "talus/output/viewer.hpp"
 
 namespace talus {
@@ -34,26 +35,35 @@ std::string share(double part, const Ledger& l) {
 
 /// Whether the energy balance is closed; the limit is that of the warning.
 std::string verdict_of(const Ledger& l) {
-  if (!(l.turnover > 0)) return "Nothing moved, so there is no energy to account for.";
+  if (!(l.turnover > 0)) return "No energy was released: nothing moved.";
   const double missed = std::abs(l.error()) / l.turnover;
-  return fmt::format(
-      "The ledger {}: {:.2g} % of the energy turned over is not accounted for (it closes up to {:.0f} %).",
-      missed <= most_missed ? "closes" : "does not close", 100 * missed, 100 * most_missed);
+  return fmt::format("Energy balance {}: the error is {:.2g} % of the energy released (limit {:.0f} %).",
+                     missed <= most_missed ? "closed" : "not closed", 100 * missed, 100 * most_missed);
 }
 
 /// The viewer, and a text in its place for browsers that cannot show it.
-std::string particles_section(const std::filesystem::path& folder, const Case& case_, const RunSummary& run) {
+std::string particles_section(const std::filesystem::path& folder, const Case& case_, const RunSummary& run,
+                              std::size_t budget) {
   std::string section =
-      "<noscript><p>This browser runs no scripts; the pictures below show the particles.</p></noscript>\n"
-      "<p id=\"without\" hidden>This browser shows no WebGL, which the turning picture of the particles needs; the "
-      "pictures below show them at some instants.</p>\n";
+      "<noscript><p>This browser runs no scripts. The pictures below show the particles.</p></noscript>\n"
+      "<p id=\"without\" hidden>This browser has no WebGL, which the 3D view of the particles needs. The pictures "
+      "below "
+      "show them at some instants.</p>\n";
   try {
     std::vector<std::filesystem::path> snapshots = read_series(folder / "particles.hdf.series");
     if (!run.failure.empty()) snapshots.push_back(folder / "failure.hdf");
-    return section + viewer(case_, snapshots);
+    return section + viewer(case_, snapshots, budget);
   } catch (const std::exception& e) {  // a report without particles is better than none
     return section + "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
   }
+}
+
+/// Bytes that the packed particles of a page may take if the rest has so many.
+std::size_t budget_of_particles(const Case& case_, std::size_t rest) {
+  if (case_.output.report == ReportSize::full) return viewer_budget;
+  constexpr std::size_t most = 8'000'000, least = 1'000'000;
+  rest += page_parts::three_js().size() + page_parts::orbit_controls_js().size() + page_parts::viewer_js().size();
+  return rest + least < most ? most - rest : least;
 }
 
 /// Rows of a history for the page: all, or the first of every `every` and the last if all of them would make it large.
@@ -62,7 +72,7 @@ struct Rows {
   std::size_t every;
 };
 Rows rows_of(const std::filesystem::path& csv) {
-  constexpr std::size_t most_rows = 10000;
+  constexpr std::size_t most_rows = 1000;  // more than a chart has pixels
   std::vector<std::string> lines;
   std::ifstream in(csv);
   for (std::string line; std::getline(in, line);) lines.push_back(line);
@@ -103,7 +113,7 @@ std::string charts_section(const std::filesystem::path& folder, const std::vecto
     if (id != "history" && std::ranges::count(charts, csv, &Chart::csv) == 0) continue;
     const Rows rows = rows_of(folder / csv);
     if (rows.every > 1)
-      section += fmt::format("<p class=\"note\">The curves go through every {}th row of {}.</p>\n", rows.every, csv);
+      section += fmt::format("<p class=\"note\">The curves show every {}th row of {}.</p>\n", rows.every, csv);
     section += "<script type=\"text/csv\" id=\"" + id + "\">" + rows.text + "</script>\n";
   }
   return section + embedded_json("charts", listed.dump()) + embedded_script(page_parts::dygraph_js()) +
@@ -121,9 +131,7 @@ std::string title_section(const Case& case_, const RunSummary& run) {
     section += "<div class=\"warning\"><b>The run failed.</b><pre>" + escaped(run.failure) + "</pre></div>\n";
   for (const std::string& w : run.warnings) section += "<div class=\"warning\">" + escaped(w) + "</div>\n";
   if (run.failure.empty() && run.warnings.empty())
-    section +=
-        "<div class=\"warning good\">The run ended as it should: the ledger closes, and nothing calls for a "
-        "warning.</div>\n";
+    section += "<div class=\"warning good\">Run completed. Energy balance closed; no warnings.</div>\n";
   return section + "<p>" + escaped(in_words(case_)) + "</p>\n";
 }
 
@@ -137,17 +145,17 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
   };
   row("released", fmt::format("{} m\u00b3", grouped(r.released)));
   row("on the ground at the end", fmt::format("{} m\u00b3", grouped(r.deposited)));
-  row("area where flow has been, in plan", fmt::format("{} m\u00b2", grouped(r.area)));
-  row("drop from the highest place of the release to the farthest reached", fmt::format("{} m", grouped(r.drop)));
+  row("area reached by the flow, in plan", fmt::format("{} m\u00b2", grouped(r.area)));
+  row("drop from the highest point of the release to the farthest point reached", fmt::format("{} m", grouped(r.drop)));
   row("distance between them, in plan", fmt::format("{} m", grouped(r.length)));
   if (r.length > 0)
     row("drop over distance", fmt::format("{:.2f}, an angle of {:.1f}\u00b0", r.drop / r.length,
                                           std::atan2(r.drop, r.length) * 180 / std::numbers::pi));
-  row("farthest place reached", fmt::format("east {}, north {} m", grouped(r.farthest[0]), grouped(r.farthest[1])));
+  row("farthest point reached", fmt::format("east {}, north {} m", grouped(r.farthest[0]), grouped(r.farthest[1])));
   row("largest thickness", fmt::format("{:.3g} m", r.thickness));
   row("largest speed", fmt::format("{:.3g} m/s", r.speed));
   section +=
-      "</table>\n<p>Thickness is normal to the ground. Speed and arrival are told where material is thicker than "
+      "</table>\n<p>Thickness is normal to the ground. Speed and arrival are given where material is thicker than "
       "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
   try {
     section += map_view(folder / "maps", case_, run.case_text);
@@ -164,7 +172,7 @@ std::string outline_section(const Case& case_, const Outline& start, const Outli
   const auto length = [&](double x) {
     return fmt::format("{:.{}f} {}", x / unit.length, unit.length < 1 ? 1 : 3, unit.name);
   };
-  std::string section = "<h2>Outline</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
+  std::string section = "<h2>Runout and height</h2>\n<table><tr><th></th><th>start</th><th>end</th></tr>\n";
   const auto row = [&](const char* name, double a, double b) {
     section +=
         fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n", name, length(a), length(b));
@@ -224,34 +232,35 @@ std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSumm
                         (case_.axisymmetric ? " per radian"
                          : case_.dim == 2   ? " per metre of thickness"
                                             : "") +
-                        " that were turned over:</p>\n<table>\n";
+                        " of energy released:</p>\n<table>\n";
   const auto row = [&](const char* name, double joule) {
     section += fmt::format("<tr><td>{}</td><td class=\"n\">{:.4g} J</td><td class=\"n\">{}</td></tr>\n", name, joule,
                            share(joule, l));
   };
-  row("is still kinetic", l.kinetic);
-  row("is stored elastically", l.elastic);
-  row("became heat by friction", l.plastic);
-  row("was spent in collisions", l.collisional);
-  row("was lost when compression was averaged over cells", l.averaging);
-  row("became heat by the bulk viscosity", l.viscous);
-  row("was lost in the transfers between particles and grid", l.numerical);
-  row("became heat by friction on walls and solids", l.wall_friction);
-  for (const auto& [where, joule] : parts_of_friction(surfaces)) row(("&ensp;of it " + where).c_str(), joule);
-  row("was work on moving solids (negative: they pushed)", l.wall_work);
-  if (!case_.loads.empty()) row("was put in by loads on sides of bodies", l.load_work);
-  if (has_outflow(case_)) row("left as kinetic energy of what flowed out", l.outflow.kinetic);
-  row("is not accounted for", -l.error());
+  row("kinetic energy at the end", l.kinetic);
+  row("elastic energy at the end", l.elastic);
+  row("frictional dissipation", l.plastic);
+  row("collisional dissipation", l.collisional);
+  row("dissipation by averaging of compression over cells", l.averaging);
+  row("dissipation by bulk viscosity", l.viscous);
+  row("numerical dissipation in transfers between particles and grid", l.numerical);
+  row("friction on walls and solids", l.wall_friction);
+  for (const auto& [where, joule] : parts_of_friction(surfaces)) row(("&ensp;of which " + where).c_str(), joule);
+  row("work on moving solids (negative: by the solids)", l.wall_work);
+  if (!case_.loads.empty()) row("work of loads on sides of bodies", l.load_work);
+  if (has_outflow(case_)) row("kinetic energy of material that left the domain", l.outflow.kinetic);
+  row("balance error", -l.error());
   return section + "</table>\n";
 }
 
 std::string noise_section(const std::optional<NoiseShares>& noise) {
   if (!noise) return "";
   return fmt::format(
-      "<h2>Noise of the pressure</h2>\n<p>Where material flows, over its mean, in blocks of four cells along each "
+      "<h2>Pressure noise</h2>\n<p>Fluctuation of the pressure where material flows, as a share of its mean, in blocks "
+      "of four cells along each "
       "axis:</p>\n<table>\n"
-      "<tr><td>of a block's mean, from instant to instant about its course</td><td class=\"n\">{:.1f} %</td></tr>\n"
-      "<tr><td>of particles, about the mean of their cell</td><td class=\"n\">{:.1f} %</td></tr>\n</table>\n",
+      "<tr><td>mean of a block, in time</td><td class=\"n\">{:.1f} %</td></tr>\n"
+      "<tr><td>particles of a cell, about the mean of the cell</td><td class=\"n\">{:.1f} %</td></tr>\n</table>\n",
       100 * noise->in_time, 100 * noise->within_cells);
 }
 
@@ -265,11 +274,11 @@ std::string time_step_section(const StepTally& tally) {
 }
 
 std::string case_section(const RunSummary& run) {
-  std::string section = "<h2>The case as it was understood</h2>\n<p>Grey: defaults.</p>\n<table>\n";
+  std::string section = "<h2>Settings</h2>\n<p>The case as talus reads it; defaults in grey.</p>\n<table>\n";
   for (const Understood& u : run.understood)
     section += fmt::format("<tr{}><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n",
                            u.by_default ? " class=\"d\"" : "", escaped(u.path), escaped(u.value), escaped(u.meaning));
-  return section + "</table>\n<h2>The case file</h2>\n<p><code>" + escaped(run.case_file) + "</code></p>\n<pre>" +
+  return section + "</table>\n<h2>Case file</h2>\n<p><code>" + escaped(run.case_file) + "</code></p>\n<pre>" +
          escaped(run.case_text) + "</pre>\n";
 }
 
@@ -286,9 +295,9 @@ std::string record_section(const RunSummary& run) {
                    double(run.n_particles) * double(run.ledger.step) / std::max(run.wall_seconds, 1e-9),
                    double(run.n_particles) * double(run.ledger.step) / std::max(run.cpu_seconds, 1e-9)));
   fact("memory of particles and grid",
-       fmt::format("{:.0f} bytes a particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
+       fmt::format("{:.0f} bytes per particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
   if (const std::size_t n = run.resumed_at.size(); n > 0)
-    fact("stopped and gone on with",
+    fact("stopped and resumed",
          fmt::format("{} time{}, from t = {:.6g} s", n, n == 1 ? "" : "s", fmt::join(run.resumed_at, " s, ")));
   fact("snapshots", fmt::format("{}, listed in particles.hdf.series", run.n_snapshots));
   return section + "</table>\n";
@@ -298,27 +307,30 @@ std::string record_section(const RunSummary& run) {
 
 void write_report(const std::filesystem::path& folder, const Case& case_, const RunSummary& run,
                   const std::vector<Picture>& pictures, const std::vector<Chart>& charts) {
-  std::ostringstream page;
-  page << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
+  std::ostringstream head, tail;
+  head << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
        << page_parts::licences_html() << title_section(case_, run);
-  if (run.runout) page << maps_section(folder, case_, run, pictures);
-  page << thalweg_section(run.thalweg) << gauges_section(run.gauges);
-  page << "<h2>Particles</h2>\n" << particles_section(folder, case_, run);
-  page << "<h2>In time</h2>\n<p>Point at a curve to read it off; drag over it to enlarge a part, double-click to see "
-          "all "
-          "again. A click shows the particles at that instant.</p>\n"
+  if (run.runout) head << maps_section(folder, case_, run, pictures);
+  head << thalweg_section(run.thalweg) << gauges_section(run.gauges);
+  head << "<h2>Particles</h2>\n";
+  tail << "<h2>Time histories</h2>\n<p>Point at a curve to read its value, drag to enlarge a part, double-click to "
+          "reset. A "
+          "click shows the particles at that instant.</p>\n"
        << charts_section(folder, charts);
   for (const std::string& notice : {notice_of_symmetry(case_), notice_of_outflow(run.ledger)})
-    if (!notice.empty()) page << "<p>" << escaped(notice) << "</p>\n";
+    if (!notice.empty()) tail << "<p>" << escaped(notice) << "</p>\n";
   if (!run.runout) {
-    page << outline_section(case_, run.start, run.end);
-    if (!pictures.empty()) page << "<h2>Pictures</h2>\n";
-    for (const Picture& p : pictures) page << embedded_figure(p.file, p.caption);
+    tail << outline_section(case_, run.start, run.end) << surface_profiles(folder / "surface.csv", extent(case_));
+    if (!pictures.empty()) tail << "<h2>Pictures</h2>\n";
+    for (const Picture& p : pictures) tail << embedded_figure(p.file, p.caption);
   }
-  page << forces_section(case_, run.surfaces) << energy_section(case_, run.ledger, run.surfaces)
+  tail << forces_section(case_, run.surfaces) << energy_section(case_, run.ledger, run.surfaces)
        << noise_section(run.noise) << time_step_section(run.tally) << case_section(run) << record_section(run)
        << "</body></html>\n";
-  write_whole(folder / "report.html", page.str());
+  const std::string before = head.str(), after = tail.str();
+  write_whole(
+      folder / "report.html",
+      before + particles_section(folder, case_, run, budget_of_particles(case_, before.size() + after.size())) + after);
 }
 
 }  // namespace talus

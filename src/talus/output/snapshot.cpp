@@ -1,7 +1,6 @@
 #include "talus/output/snapshot.hpp"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -11,39 +10,13 @@
 #include <stdexcept>
 
 #include "talus/base/file.hpp"
+#include "talus/output/hdf5.hpp"
 
 namespace talus {
 
+using hdf5::check, hdf5::Handle, hdf5::read_text_attribute, hdf5::write_text_attribute;
+
 namespace {
-
-/// An HDF5 identifier that closes itself; a negative one is an error.
-class Handle {
- public:
-  Handle(hid_t id, herr_t (*close)(hid_t), const char* action) : id_(id), close_(close) {
-    if (id < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", action));
-  }
-  ~Handle() { close_(id_); }
-  Handle(const Handle&) = delete;
-  Handle& operator=(const Handle&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-void check(herr_t status, const char* action) {
-  if (status < 0) throw std::runtime_error(fmt::format("HDF5 could not {}", action));
-}
-
-void write_text_attribute(hid_t object, const char* name, const std::string& text) {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, "make a text type");
-  check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), "size a text");
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, "make a scalar");
-  const Handle attribute(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                         "make an attribute");
-  check(H5Awrite(attribute, type, text.empty() ? " " : text.data()), "write an attribute");
-}
 
 template <class T>
 void write_dataset(hid_t group, const char* name, hid_t stored, hid_t in_memory, const std::vector<T>& values,
@@ -112,14 +85,6 @@ std::string file_of(const Observation& seen, const std::vector<std::string>& nam
   return bytes;
 }
 
-std::string read_text_attribute(hid_t object, const char* name) {
-  const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose, "find an attribute");
-  const Handle type(H5Aget_type(attribute), H5Tclose, "read an attribute");
-  std::string text(H5Tget_size(type), ' ');
-  check(H5Aread(attribute, type, text.data()), "read an attribute");
-  return text == " " ? "" : text;  // HDF5 has no empty texts
-}
-
 template <class T>
 std::vector<T> read_values(hid_t set, hid_t wanted) {
   const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
@@ -164,7 +129,7 @@ Observation read_file(const std::filesystem::path& path) {
 }  // namespace
 
 Observation read_snapshot(const std::filesystem::path& file) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
+  hdf5::begin();
   try {
     return read_file(file);
   } catch (const std::exception& e) {
@@ -187,7 +152,7 @@ std::vector<std::filesystem::path> read_series(const std::filesystem::path& seri
 
 void write_snapshot(const std::filesystem::path& file, const Observation& seen,
                     const std::vector<std::string>& fields) {
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);  // errors are thrown, not printed
+  hdf5::begin();
   write_whole(file, file_of(seen, fields));
 }
 

@@ -155,9 +155,12 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
   scene["floor"] = case_.domain.min[case_.dim - 1];
   scene["every"] = every;
   scene["notes"] =
-      "Values are rounded to 0.2 %, places to 1/65535 of the extent; the snapshots hold them in full." +
-      (n < n_all ? fmt::format(" To keep this page small it shows {} of the run's {} snapshots.", n, n_all) : "") +
-      (every > 1 ? fmt::format(" Of the particles it shows one in {}, drawn larger.", every) : "");
+      "Values are rounded to 0.2 %, positions to 1/65535 of the extent; snapshots have them in full." +
+      (n < n_all
+           ? fmt::format(" The page shows {} of {} snapshots, to limit its size; output.report = \"full\" shows more.",
+                         n, n_all)
+           : "") +
+      (every > 1 ? fmt::format(" The page shows one particle in {}, drawn larger.", every) : "");
 
   std::string data;
   scene["solids"] = pack_solids(case_, data);

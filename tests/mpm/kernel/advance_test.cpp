@@ -17,9 +17,9 @@ template <Advance which>
 Moved moved(double alpha) {
   auto p = particles_at<2>({{1.3, 1.7}});
   p.velocity(0)[0] = 5;
-  WindowOf<2, Quadratic, MassVelocity> velocity(node<MassVelocity>(2, 1, rubbish, rubbish));
-  WindowOf<2, Quadratic, Acceleration> acceleration(node<Acceleration>(0, -10, rubbish, rubbish));
-  advance<which>(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), 0.1, alpha, velocity.data(), acceleration.data());
+  WindowOf<2, Quadratic, NodeMotion> nodes(
+      {node<MassVelocity>(2, 1, rubbish, rubbish), node<Acceleration>(0, -10, rubbish, rubbish)});
+  advance<which>(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), 0.1, alpha, nodes.data());
   return {{p.position(0)[0], p.position(1)[0]}, {p.velocity(0)[0], p.velocity(1)[0]}};
 }
 void expect_near(const Vec<2>& a, const Vec<2>& b) {
@@ -54,9 +54,8 @@ TEST(Advance, RowsBehindTheLastParticleStay) {
   auto p = particles_at<2>(std::vector<Vec<2>>(6, Vec<2>{1.5, 1.5}));
   auto points = all_in_one_tile<Quadratic>(p);
   points.range = {0, 5};
-  WindowOf<2, Quadratic, MassVelocity> velocity(node<MassVelocity>(2, 1, 0, 1));
-  WindowOf<2, Quadratic, Acceleration> acceleration(node<Acceleration>(0, 0, 0, 0));
-  advance<Advance::both>(points, unit_cells<2>(8), 0.1, 0, velocity.data(), acceleration.data());
+  WindowOf<2, Quadratic, NodeMotion> nodes({node<MassVelocity>(2, 1, 0, 1), node<Acceleration>(0, 0, 0, 0)});
+  advance<Advance::both>(points, unit_cells<2>(8), 0.1, 0, nodes.data());
   EXPECT_NEAR(p.position(0)[4], 1.7, 1e-15);
   EXPECT_EQ(p.position(0)[5], 1.5);
   EXPECT_EQ(p.velocity(0)[5], 0);

@@ -114,6 +114,51 @@ TEST(Stress, AsItIsIsVolumeTimesStressOfTheState) {
   EXPECT_EQ(s.volume[0], 3);
 }
 
+// ---- work that collisions return ---------------------------------------------------------------------------------
+
+/// What one step takes from collisions of a particle of 2 m3 of the paper's sand, whose velocity gradient is diag(xx, yy, 0).
+struct Returned {
+  double work;                    ///< counted [J]
+  Granular::State<double> state;  ///< after the step
+  double volume;                  ///< after it [m3]
+};
+Returned returned(const Granular& law, double xx, double yy) {
+  auto p = particles_at<2>({{0.5, 0.5}}, {state_size<Granular>});
+  const auto before = isotropic_state(law, 1e4, 0.8);
+  p.reference_volume()[0] = 2 / law.specific_volume(before);
+  set_state<Granular>(p, 0, before);
+  Scratch scratch;
+  const ScratchView s = scratch_of(scratch, 1);
+  s.gradient[0][0][0] = xx;
+  s.gradient[1][1][0] = yy;
+  TileSums sums;
+  update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, {1e-7, {}, false, false, 0}, s, sums);
+  const auto after = state_of<Granular>(p, 0);
+  return {sums[Sum::returned_work], after, p.reference_volume()[0] * law.specific_volume(after)};
+}
+
+TEST(ReturnedWork, IsWhatDDGivesBackInAxisymmetricExtension) {
+  // Stretched at r along x: D = (r/3) diag(2, -1, -1), |g| = r/sqrt 3, tr D^3 = 2 r^3/9. Shear gets back, per volume and
+  // second, f (tr D^3 - 2 mu |g|^3) = (2/9) f r^3 (1 - sqrt 3 mu), positive for mu < 0.577: mu_s = 0.38 at small I.
+  const Granular law = case_1();
+  const double r = 2;
+  const Returned found = returned(law, r, 0);
+  const MuI& c = law.collisional;
+  const double g = r / std::sqrt(3.0), f = c.momentum_exchange(1 / law.specific_volume(found.state));
+  const double mu = c.friction(g, pressure(found.state.frictional.stress) + 2.0 / 3 * f * g * g);
+  const double expected = found.volume * 1e-7 * 2 / 9 * f * r * r * r * (1 - std::sqrt(3.0) * mu);
+  EXPECT_GT(expected, 0);
+  EXPECT_NEAR(found.work, expected, 1e-12 * expected);
+}
+
+TEST(ReturnedWork, IsNoneInCompressionInPlaneShearAndOfAnIsotropicPressure) {
+  Granular law = case_1();
+  EXPECT_EQ(returned(law, -2, 0).work, 0) << "tr D^3 < 0";
+  EXPECT_EQ(returned(law, 2, -2).work, 0) << "tr D^3 = 0";
+  law.collisional.dispersive = Dispersive::isotropic;
+  EXPECT_EQ(returned(law, 2, 0).work, 0) << "2 mu f |g|^3 is spent";
+}
+
 // ---- bulk viscosity ----------------------------------------------------------------------------------------------
 
 /// A particle of sand at a pressure in a cell of half a metre, whose volume grows at a rate [1/s], with b = 0.4 and without.
@@ -190,6 +235,102 @@ TEST(BulkViscosity, IsNotWhereGrainsAreApartNorInMaterialOfGivenStiffness) {
   }
 }
 
+// ---- gaps at rest ------------------------------------------------------------------------------------------------
+
+/// A particle whose grains are apart by a volumetric strain `gap`, moving at `speed`, after so many steps of 1 ms in which
+/// nothing is strained; things fall by half a cell in 1/`closing`.
+struct Apart {
+  Simsand law = case_1_sand();
+  Particles<2> p = particles_at<2>({{0.5, 0.5}}, {state_size<Simsand>});
+  TileSums sums;
+
+  double gap() const { return -state_of<Simsand>(p, 0).x / law.growth_in_gap(); }
+  void step(int n, double speed, double closing) {
+    p.velocity(1)[0] = -speed;
+    for (int k = 0; k < n; ++k) {
+      Scratch scratch;
+      sums = {};
+      const StressUpdate how{1e-3, {}, true, false, 0.4, 0.1, closing};
+      update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, how, scratch_of(scratch, 1), sums);
+    }
+  }
+  explicit Apart(double strain) {
+    auto state = isotropic_state(law, 1, 0.8);
+    Simsand::impose_compression(state, -law.growth_in_gap() * strain, 0.0);
+    set_state<Simsand>(p, 0, state);
+  }
+};
+
+TEST(GapsAtRest, CloseAsGrainsFallThroughThemAndThenTouch) {
+  // s' = -c sqrt(s): from 0.04 after a time t it is (0.2 - c t/2)^2, and nothing after 2 0.2/c: 20 ms with c = 20/s.
+  Apart material(0.04);
+  material.step(10, 0.05, 20);
+  EXPECT_NEAR(material.gap(), 0.01, 1e-12);
+  EXPECT_EQ(material.sums[Sum::separated], 1);
+  material.step(11, 0.05, 20);
+  EXPECT_EQ(material.gap(), 0);
+  EXPECT_EQ(material.sums[Sum::separated], 0);
+  EXPECT_NEAR(material.law.void_ratio(state_of<Simsand>(material.p, 0)), 0.8, 1e-12) << "the skeleton is as it was";
+  material.step(1, 0.05, 20);
+  EXPECT_EQ(material.sums[Sum::separated], 0);
+}
+
+TEST(GapsAtRest, StayInWhatMovesAndWhereNothingFalls) {
+  Apart flies(0.04), floats(0.04);
+  flies.step(50, 0.15, 20);
+  EXPECT_NEAR(flies.gap(), 0.04, 1e-12);
+  floats.step(50, 0, 0);
+  EXPECT_NEAR(floats.gap(), 0.04, 1e-12);
+}
+
+TEST(GapsAtRest, StayWhereCohesionSpansThem) {
+  MohrCoulomb law{};
+  law.E = 1e6;
+  law.nu = 0.25;
+  law.phi = 0.5;
+  law.psi = 0;
+  for (const double c : {0.0, 1e3}) {
+    law.c = c;
+    law.prepare();
+    auto p = particles_at<2>({{0.5, 0.5}}, {state_size<MohrCoulomb>});
+    const double open = law.closed() - 0.01;
+    set_state<MohrCoulomb>(p, 0, {SymTensor<double>::isotropic(c > 0 ? -law.apex : 0), open, 0, std::exp(0.01)});
+    for (int k = 0; k < 30; ++k) {
+      Scratch scratch;
+      TileSums sums;
+      const StressUpdate how{1e-3, {}, true, false, 0.4, 0.1, 20};
+      update_stress<double, false>(law, p.view(), {0, 1}, unit_cells_of_tile, how, scratch_of(scratch, 1), sums);
+    }
+    const auto after = state_of<MohrCoulomb>(p, 0);
+    EXPECT_NEAR(after.compression, c > 0 ? open : 0, 1e-9) << c;
+    EXPECT_NEAR(after.volume_ratio, c > 0 ? std::exp(0.01) : 1, 1e-9) << c << ": the volume goes with the gap";
+  }
+}
+
+TEST(GapsAtRest, CloseByTheSameBitsInAPack) {
+  const Granular law = case_1();
+  const auto eleven = [&]<class R>(R) {
+    auto p = particles_at<2>(std::vector<Vec<2>>(11), {state_size<Granular>});
+    for (int i = 0; i < 11; ++i) {
+      p.position(0)[i] = 0.3 * i;
+      p.position(1)[i] = 0.5;
+      p.velocity(0)[i] = 0.03 * i;
+      auto state = isotropic_state(law, 10, 0.8);
+      if (i % 3 != 0) Granular::impose_compression(state, -0.3 * i, 0.0);
+      set_state<Granular>(p, i, state);
+    }
+    Scratch scratch;
+    TileSums sums;
+    const StressUpdate how{1e-3, {}, true, false, 0.4, 0.1, 20};
+    update_stress<R, false>(law, p.view(), {0, 11}, unit_cells_of_tile, how, scratch_of(scratch, 11), sums);
+    std::vector<double> numbers{sums[Sum::separated]};
+    for (int i = 0; i < 11; ++i)
+      for (int k = 0; k < state_size<Granular>; ++k) numbers.push_back(p.state(k)[i]);
+    return numbers;
+  };
+  EXPECT_EQ(eleven(0.0), eleven(Pack(0.0)));
+}
+
 // ---- packs -------------------------------------------------------------------------------------------------------
 
 /// Eleven particles of a law, a pack and three, in three cells, in a motion of their own each.
@@ -233,7 +374,7 @@ void expect_packs_have_the_bits_of_one(const Law& law, double p0) {
         EXPECT_EQ(one.s.stiffness[i], pack.s.stiffness[i]) << Law::name;
       }
       for (const Sum sum : {Sum::elastic, Sum::averaging, Sum::internal_work, Sum::viscous_work, Sum::plastic_work,
-                            Sum::separated, Sum::unconverged, Sum::faulty})
+                            Sum::returned_work, Sum::separated, Sum::unconverged, Sum::faulty})
         EXPECT_NEAR(one.sums[sum], pack.sums[sum], 1e-12 * std::abs(one.sums[sum])) << Law::name << int(sum);
       EXPECT_EQ(one.sums[Most::viscosity], pack.sums[Most::viscosity]);
     }

@@ -19,7 +19,7 @@ TYPED_TEST(Transfers, LinearFieldsAreInterpolatedExactlyWithTheirGradient) {
   using Shape = typename TypeParam::shape;
   using Layout = TileLayout<Dim, Shape>;
   std::vector<MassVelocity> field(Layout::n_window);
-  std::vector<Acceleration> other(Layout::n_window, node_of<Acceleration>(Quad(2.0)));
+  std::vector<NodeMotion> both(Layout::n_window);
   Index<Dim> place{};
   place[0] = 7;
   for (int i = 0; i < Layout::n_window; ++i) {
@@ -31,16 +31,21 @@ TYPED_TEST(Transfers, LinearFieldsAreInterpolatedExactlyWithTheirGradient) {
       v.set(c, value);
     }
     store_node(field[i], v);
+    both[i] = {field[i], node_of<Acceleration>(Quad(2.0))};
   }
   for (double f : {-0.4, 0.0, 0.3, 1.5, 2.0, 3.9, 4.4}) {
     Vec<Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = tile_edge * place[a] + f;
     const WeightsAt<Dim, Shape> point(x, place);
     const auto w = point.weights();
-    Quad value, two, columns[Dim];
-    interpolate(w, field.data(), other.data(), value, two);
+    Quad columns[Dim];
+    const Quad value = interpolate(w, field.data());
+    const Octet of_both = interpolate(w, both.data());
     gradient(w, field.data(), columns);
-    EXPECT_NEAR(two[1], 2, 1e-14);
+    for (int c = 0; c < 4; ++c) {
+      EXPECT_EQ(of_both[c], value[c]);
+      EXPECT_NEAR(of_both[4 + c], 2, 1e-14);
+    }
     for (int c = 0; c < 3; ++c) {
       double expected = 0.1 * c;
       for (int a = 0; a < Dim; ++a) {

@@ -212,4 +212,20 @@ TEST(AffineFilter, KeepsBesideAWallWhatTheWallAllows) {
   EXPECT_TRUE(kept(WallKind::open, fall));
 }
 
+TEST(AffineFilter, HoldsTheFitOnASurfaceAcrossItAndWhereFrictionHoldsAlongItToo) {
+  // Two kilograms on a node of a floor, on their way along and into it.
+  FilterMoments<2> moments{};
+  moments.quads[0] = {{2 * 0.3, 2 * -0.1, 0, 2}};
+  for (const bool sticks : {false, true}) {
+    NodeContact contact{0, Wall(WallKind::friction, 0.5, true), {0, 1, 0}};
+    contact.sticks = sticks;
+    FilterFit<2> fit = fit_velocity(moments, 1e-9);
+    const Vec<3> impulse = hold_fit(contact, moments, fit);
+    EXPECT_NEAR(load_node(fit.at)[0], sticks ? 0 : 0.3, 1e-15);
+    EXPECT_NEAR(load_node(fit.at)[1], 0, 1e-15);
+    EXPECT_NEAR(impulse[0], sticks ? -0.6 : 0, 1e-15);
+    EXPECT_NEAR(impulse[1], 0.2, 1e-15);
+  }
+}
+
 }  // namespace talus::stage_filter_test

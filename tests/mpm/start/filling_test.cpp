@@ -86,9 +86,9 @@ TEST_F(FilesOfACase, FaultsInListedPointsAreToldWithFileAndLine) {
   write("p.csv", "x,y,radius\n1,2,3\n");
   expect(with_body(spaced), "has a column `radius`, which is none of `x`, `y` or `volume`");
   write("p.csv", "x,y\n1,2\n");
-  expect(with_body(points), "does not tell volumes: give `spacing`");
+  expect(with_body(points), "has no volumes: add `spacing`");
   write("p.csv", "x,y,volume\n1,2,1\n");
-  expect(with_body(spaced), "tells the volumes: leave out `spacing`");
+  expect(with_body(spaced), "has volumes: remove `spacing`");
   write("p.csv", "x,y\n1,2\n\n1,nan\n");
   expect(with_body(spaced), "p.csv:4: a value is missing or not finite");
   write("p.csv", "x,y\n1,2\n1\n");
@@ -167,7 +167,7 @@ TEST_F(FilesOfACase, BlueNoiseHasNoRowsAndTheMassOfEveryPart) {
   };
   EXPECT_GT(least_distance(one), 4 * least_distance(scattered)) << "none nearly coincide";
   EXPECT_GT(least_distance(one), 0.25 * 0.25);
-  expect(with_body(box + blue + "\nscatter = 0.2"), "no particle stands in a row");
+  expect(with_body(box + blue + "\nscatter = 0.2"), "it has no rows");
 }
 
 TEST_F(FilesOfACase, BlueNoiseFillsARoundBodyWithoutLeavingIt) {

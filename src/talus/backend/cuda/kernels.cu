@@ -86,8 +86,8 @@ void add_step_kernels(Kernels& kernels) {
       Motions<M, Advance::places>, AffineMotion<M, true>, AffineMotion<M, false>, SumsOverParticles<M>,
       FilteredVelocities<M>, Volumes<M>, Shifts<M>>(kernels);
   if constexpr (Dim == 2) add<Forces<M, true>>(kernels);
-  [&]<int... quads>(std::integer_sequence<int, quads...>) { add<FilterMomentsQuad<M, quads>...>(kernels); }
-  (std::make_integer_sequence<int, FilterMoments<Dim>::n_quads>());
+  [&]<int... octets>(std::integer_sequence<int, octets...>) { add<FilterMomentsOctet<M, octets>...>(kernels); }
+  (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
 }
 
 /// The kernels that do not depend on the shape function: at nodes, and of the stress.

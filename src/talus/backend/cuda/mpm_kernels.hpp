@@ -34,7 +34,7 @@ struct TilesOnDevice {
   Acceleration* acceleration;
   FilterMoments<Dim>* moments;
   FilterFit<Dim>* fits;
-  FourMoments* moment_windows;
+  EightMoments* moment_windows;
   double *volume_windows, *filling, *excess;
   const ContactsView* contacts;
   TileSums* sums;
@@ -182,11 +182,9 @@ struct Motions {
   M m;
   StepOnDevice step;
   TALUS_HD void operator()(int t) const {
-    MassVelocity new_velocity[M::Layout::n_window];
-    Acceleration acceleration[M::Layout::n_window];
-    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.new_velocity, new_velocity);
-    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.acceleration, acceleration);
-    advance<which>(m.points(t), m.domain, step.dt, step.kept, new_velocity, acceleration);
+    NodeMotion nodes[M::Layout::n_window];
+    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.new_velocity, m.acceleration, nodes);
+    advance<which>(m.points(t), m.domain, step.dt, step.kept, nodes);
   }
 };
 template <class M, bool apic>
@@ -208,11 +206,11 @@ struct SumsOverParticles {
     total.add_to(m.sums[t]);
   }
 };
-template <class M, int quad>
-struct FilterMomentsQuad {
+template <class M, int octet>
+struct FilterMomentsOctet {
   M m;
   TALUS_HD void operator()(int t) const {
-    add_filter_moments<quad>(m.points(t), m.domain, m.window_of(m.moment_windows, t));
+    add_filter_moments<octet>(m.points(t), m.domain, m.window_of(m.moment_windows, t));
   }
 };
 template <class M>

@@ -19,6 +19,7 @@ struct Body {
   Particles<Dim> particles;
   std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
   std::vector<SurfaceLoad> loads{};
+  long cost = 400;  ///< of a particle in a step [ns], by which owners divide the work; until it is measured, any
 };
 
 /// A body and the shape function of its particles.

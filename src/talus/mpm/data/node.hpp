@@ -1,6 +1,6 @@
 #pragma once
 /// What is known at a node of the grid: four numbers each, a plain struct for each meaning. Kernels load and store them
-/// as a `Quad`.
+/// as a `Quad`, and two of them as an `Octet`.
 
 #include <concepts>
 #include <type_traits>
@@ -32,16 +32,32 @@ struct alignas(32) Acceleration {
   double zero;          ///< not used
 };
 
-/// A node that is loaded and stored as a `Quad`.
+/// What particles take from a node when they move.
+struct alignas(64) NodeMotion {
+  MassVelocity new_velocity;
+  Acceleration acceleration;
+};
+
+/// A node that is loaded and stored as a `Quad`, or as an `Octet`.
 template <class T>
 concept NodeOfFour = std::is_trivially_copyable_v<T> && sizeof(T) == sizeof(Quad) && !std::same_as<T, Quad>;
+template <class T>
+concept NodeOfEight = std::is_trivially_copyable_v<T> && sizeof(T) == sizeof(Octet) && !std::same_as<T, Octet>;
 
 template <NodeOfFour Node>
 TALUS_HD Quad load_node(const Node& node) {
   return load<Quad>(reinterpret_cast<const double*>(&node));
 }
+template <NodeOfEight Node>
+TALUS_HD Octet load_node(const Node& node) {
+  return load<Octet>(reinterpret_cast<const double*>(&node));
+}
 template <NodeOfFour Node>
 TALUS_HD void store_node(Node& node, Quad value) {
+  store(reinterpret_cast<double*>(&node), value);
+}
+template <NodeOfEight Node>
+TALUS_HD void store_node(Node& node, Octet value) {
   store(reinterpret_cast<double*>(&node), value);
 }
 template <NodeOfFour Node>

@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// As kernels see it: rows as long as the tile has particles, and a pack more.
+/// As kernels see it: rows as long as the tile has particles, and the widest pack more.
 struct ScratchView {
   double* gradient[3][3];               ///< velocity gradient L [1/s]
   double* flux[6];                      ///< volume times stress [J], tension-positive
@@ -30,7 +30,7 @@ class Scratch {
  public:
   /// With room for n particles.
   ScratchView view(int n) {
-    n += pack_width;  // the last pack may reach beyond the last particle
+    n += widest_pack;  // the last pack may reach beyond the last particle
     if (n > int(cell_.size())) {
       for (auto& row : rows_) row.assign(std::size_t(n), 0.0);
       cell_.resize(std::size_t(n));

@@ -138,21 +138,41 @@ TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, No
   }
 }
 
-/// Copies what the nodes of a tile and its neighbours hold into an array laid out like a window; where there is no tile,
-/// zero. `nodal`: the nodes of all tiles, one tile after the other.
-template <int Dim, class Shape, class Node>
-TALUS_HD void fill_window(const Tile<Dim>& tile, const Node* nodal, Node* window) {
+/// Calls take(node, w) for the nodes of a tile and its neighbours, each with its place in a window, and lack(w) where there
+/// is no tile. Nodes are counted over all tiles, one tile after the other.
+template <int Dim, class Shape, class Take, class Lack>
+TALUS_HD void for_each_in_window(const Tile<Dim>& tile, Take take, Lack lack) {
   for (int n = 0; n < n_neighbours<Dim>; ++n) {
     const int other = tile.neighbours[n];
     Index<Dim> mine = offset_of<Dim>(n);  // this tile, seen from the other
     for (int a = 0; a < Dim; ++a) mine[a] = -mine[a];
     if (other < 0) {
-      detail::for_each_shared<Dim, Shape>(mine, [&](int, int w) { window[w] = Node{}; });
+      detail::for_each_shared<Dim, Shape>(mine, [&](int, int w) { lack(w); });
       continue;
     }
-    const Node* theirs = nodal + std::size_t(other) * TileLayout<Dim, Shape>::n_nodes;
-    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { copy_node(theirs[own], window[w]); });
+    const std::size_t first = std::size_t(other) * TileLayout<Dim, Shape>::n_nodes;
+    detail::for_each_shared<Dim, Shape>(mine, [&](int own, int w) { take(first + own, w); });
   }
+}
+
+/// Copies what the nodes of a tile and its neighbours hold into an array laid out like a window; where there is no tile,
+/// zero. `nodal`: the nodes of all tiles, one tile after the other.
+template <int Dim, class Shape, class Node>
+TALUS_HD void fill_window(const Tile<Dim>& tile, const Node* nodal, Node* window) {
+  for_each_in_window<Dim, Shape>(
+      tile, [&](std::size_t node, int w) { copy_node(nodal[node], window[w]); }, [&](int w) { window[w] = Node{}; });
+}
+/// The same for what particles take when they move.
+template <int Dim, class Shape>
+TALUS_HD void fill_window(const Tile<Dim>& tile, const MassVelocity* new_velocity, const Acceleration* acceleration,
+                          NodeMotion* window) {
+  for_each_in_window<Dim, Shape>(
+      tile,
+      [&](std::size_t node, int w) {
+        copy_node(new_velocity[node], window[w].new_velocity);
+        copy_node(acceleration[node], window[w].acceleration);
+      },
+      [&](int w) { window[w] = NodeMotion{}; });
 }
 
 }  // namespace talus

@@ -9,17 +9,20 @@ namespace talus {
 
 enum class Advance { both, velocities, places };
 
-/// Reads new velocities and accelerations of the nodes of the tile's window.
+/// Reads what the nodes of the tile's window do.
 template <Advance which, int Dim, class Shape>
 TALUS_HD void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
-                      const MassVelocity* new_velocity, const Acceleration* acceleration) {
+                      const NodeMotion* nodes) {
   const ParticlesView<Dim>& p = points.particles;
   for (int i = 0; i < points.size(); i += 4) {
     const int first = points.range.begin + i, count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
     Quad at_v[4], at_a[4];
-    for (int lane = 0; lane < 4; ++lane)
-      interpolate(ParticleWeights<Dim, Shape>{w, lane}, new_velocity, acceleration, at_v[lane], at_a[lane]);
+    for (int lane = 0; lane < 4; ++lane) {
+      const Octet at = interpolate(ParticleWeights<Dim, Shape>{w, lane}, nodes);
+      at_v[lane] = Quad(low_half(at.lanes));
+      at_a[lane] = Quad(high_half(at.lanes));
+    }
     transpose(at_v);
     transpose(at_a);
     for (int axis = 0; axis < Dim; ++axis) {

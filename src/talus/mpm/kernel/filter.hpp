@@ -16,24 +16,27 @@
 /// Where walls mirror, the fits are those of the material with its image. At contacts a fit may not carry material through
 /// the surface: it is made anew among the fields that do not, at the node.
 ///
-/// Reads places, masses and velocities of particles; moments are added up quad by quad, so that a window holds four
-/// numbers a node as all others do.
+/// Reads places, masses and velocities of particles; moments are added up eight at a time, so that a window fits into the
+/// first cache.
 
 #include "talus/mpm/kernel/contact.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
 
 namespace talus {
 
-/// Four of the moments around a node.
+/// Four of the moments around a node, and eight.
 struct alignas(32) FourMoments {
   double sums[4];
+};
+struct alignas(64) EightMoments {
+  FourMoments quads[2];
 };
 
 /// Sums over the particles around a node with the weights m N, places x counted from the node in cells: of v and, in lane
 /// 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair.
 template <int Dim>
 struct FilterMoments {
-  static constexpr int n_quads = Dim == 2 ? 4 : 6;
+  static constexpr int n_quads = Dim == 2 ? 4 : 6, n_octets = n_quads / 2;
   FourMoments quads[n_quads];
 
   TALUS_HD Quad zeroth() const { return load_node(quads[0]); }
@@ -137,27 +140,41 @@ struct Touched {
     }
   }
 
-  /// Adds a quad of the moments of one of the four to the nodes: `value` times N and the powers of x.
-  template <int quad>
-  TALUS_HD void scatter(int lane, Quad value, FourMoments* nodes) const {
-    Quad along[Dim][n];
-    for (int a = 0; a < Dim; ++a)
-      for (int i = 0; i < n; ++i) {
-        along[a][i] = Quad(weights.N[a][i][lane]);
-        const double d = x[a][i][lane], powers[3] = {1, d, d * d};
-        Quad power;
-        for (int k = 0; k < 4; ++k) power.set(k, powers[FilterMoments<Dim>::power(quad, k, a)]);
-        along[a][i] *= power;
-      }
+  /// Adds eight of the moments of one of the four to the nodes: `value` times N and the powers of x.
+  template <int octet>
+  TALUS_HD void scatter(int lane, Octet value, EightMoments* nodes) const {
+    Octet along[Dim][n];
+    [&]<int... axes>(std::integer_sequence<int, axes...>) { (find_along<octet, axes>(lane, along[axes]), ...); }
+    (std::make_integer_sequence<int, Dim>());
     nodes += weights.first[lane];
     for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-      const Quad plane = Dim == 3 ? along[Dim - 1][k] * value : value;
+      const Octet plane = Dim == 3 ? along[Dim - 1][k] * value : value;
       for (int j = 0; j < n; ++j) {
-        const Quad row = along[1][j] * plane;
-        FourMoments* at = nodes + edge * (j + edge * k);
+        const Octet row = along[1][j] * plane;
+        EightMoments* at = nodes + edge * (j + edge * k);
         for (int i = 0; i < n; ++i) store_node(at[i], multiply_add(along[0][i], row, load_node(at[i])));
       }
     }
+  }
+
+  /// N along an axis, times the power of x in which it enters each of eight moments.
+  template <int octet, int axis>
+  TALUS_HD void find_along(int lane, Octet (&along)[n]) const {
+    const Octet first = having<octet, axis, 1>(), second = having<octet, axis, 2>();
+    const Octet neither = Octet(1.0) - first - second;
+    for (int i = 0; i < n; ++i) {
+      const Octet d(x[axis][i][lane]), power = multiply_add(second, d * d, multiply_add(first, d, neither));
+      along[i] = Octet(weights.N[axis][i][lane]) * power;
+    }
+  }
+  /// 1 for those of eight moments that the place along an axis enters in this power, 0 for the others.
+  template <int octet, int axis, int power>
+  TALUS_HD static Octet having() {
+    constexpr auto is = [](int k) {
+      return FilterMoments<Dim>::power(2 * octet + k / 4, k % 4, axis) == power ? 1.0 : 0.0;
+    };
+    constexpr double numbers[8] = {is(0), is(1), is(2), is(3), is(4), is(5), is(6), is(7)};
+    return load<Octet>(numbers);
   }
 
   /// The velocity that the fits around one of the four make where it is.
@@ -182,21 +199,26 @@ struct Touched {
 
 }  // namespace detail
 
-/// Adds one quad of the moments to the window of the particles' tile.
-template <int quad, int Dim, class Shape>
-TALUS_HD void add_filter_moments(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, FourMoments* window) {
+/// Adds eight of the moments to the window of the particles' tile.
+template <int octet, int Dim, class Shape>
+TALUS_HD void add_filter_moments(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                 EightMoments* window) {
   const ParticlesView<Dim>& p = points.particles;
   for (int i = 0; i < points.size(); i += 4) {
     const int first = points.range.begin + i, count = points.count(i);
     const detail::Touched<Dim, Shape> touched(points, domain, i, count);
     const Quad mass = load<Quad>(p.mass() + first, count);
-    Quad values[4];
-    for (int a = 0; a < 4; ++a) {
-      values[a] = mass;
-      if (quad <= Dim && a < 3) values[a] *= a < Dim ? load<Quad>(p.velocity(a) + first, count) : Quad(0.0);
+    Quad values[2][4];
+    for (int half = 0; half < 2; ++half) {
+      for (int a = 0; a < 4; ++a) {
+        values[half][a] = mass;
+        if (2 * octet + half <= Dim && a < 3)
+          values[half][a] *= a < Dim ? load<Quad>(p.velocity(a) + first, count) : Quad(0.0);
+      }
+      transpose(values[half]);
     }
-    transpose(values);
-    for (int lane = 0; lane < count; ++lane) touched.template scatter<quad>(lane, values[lane], window);
+    for (int lane = 0; lane < count; ++lane)
+      touched.template scatter<octet>(lane, octet_of(values[0][lane], values[1][lane]), window);
   }
 }
 
@@ -220,7 +242,7 @@ TALUS_HD FilterFit<Dim> fit_velocity(const FilterMoments<Dim>& m, double least_m
 }
 
 /// Lets the fit of a contact's node, at the node, have the velocity of the surface along its normal; all of it, if the
-/// surface lets nothing slip. Returns the impulse on the material that this takes [N s].
+/// surface lets nothing slip or friction holds what presses on it. Returns the impulse on the material that this takes [N s].
 template <int Dim>
 TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, FilterFit<Dim>& fit) {
   const double mass = m.mass();
@@ -229,7 +251,7 @@ TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, Filt
   for (int a = 0; a < Dim; ++a) along[a] = Quad(1 / mass) * (m.first(a) - Quad(m.mass_at(a)) * surface);
   detail::find_slopes(m, Vec<Dim>{}, along, slope);
   const auto held = [&](Quad change) {
-    if (c.surface.kind == WallKind::no_slip) return change;
+    if (c.surface.kind == WallKind::no_slip || c.sticks) return change;
     const double across = change[0] * c.normal[0] + change[1] * c.normal[1] + change[2] * c.normal[2];
     for (int a = 0; a < 3; ++a) change.set(a, across * c.normal[a]);
     return change;

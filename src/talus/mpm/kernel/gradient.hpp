@@ -34,13 +34,12 @@ TALUS_HD void find_hoop_rates(const TilePoints<Dim, Shape>& points, const Domain
   for (int i = 0; i < points.size(); i += 4) {
     const int count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
-    Quad at[4], unused;
-    for (int lane = 0; lane < 4; ++lane)
-      interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity, velocity, at[lane], unused);
+    Quad at[4];
+    for (int lane = 0; lane < 4; ++lane) at[lane] = interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity);
     transpose(at);
     store(&s.gradient[2][2][i], at[0] / radius_of(points.particles, domain, points.range.begin + i, count));
   }
-  for (int i = (points.size() + 3) / 4 * 4; i % pack_width != 0; i += 4) store(&s.gradient[2][2][i], Quad(0.0));
+  for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4) store(&s.gradient[2][2][i], Quad(0.0));
 }
 
 /// `velocity`: of the nodes of the tile's window.
@@ -58,7 +57,7 @@ TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<
   if constexpr (Dim == 2)
     if (domain.axisymmetric) find_hoop_rates(points, domain, velocity, s);
   // What the last pack holds behind the last particle stands still.
-  for (int i = (points.size() + 3) / 4 * 4; i % pack_width != 0; i += 4)
+  for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4)
     for (int a = 0; a < Dim; ++a)
       for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));
 }

@@ -66,9 +66,7 @@ template <int Dim, class Shape>
 TALUS_HD void add_power_of_load(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const LoadView& load,
                                 const MassVelocity* velocity, double& power) {
   for_each_loaded(points, domain, load, [&](const Vec<3>& force, const ParticleWeights<Dim, Shape>& w) {
-    Quad v, same;
-    interpolate(w, velocity, velocity, v, same);
-    power += dot(force, vector_of(v));
+    power += dot(force, vector_of(interpolate(w, velocity)));
   });
 }
 

@@ -18,7 +18,12 @@ struct StressUpdate {
   bool average_pressure;  ///< replace elastic compression by its mean over the cell
   bool f_bar;             ///< replace the rate of volume change by its mean over the cell
   double bulk_viscosity;  ///< b, share of critical damping of the grid's shortest waves, see `viscous_pressure`
+  double rest_speed = 0;  ///< what is slower rests, and gaps in it close [m/s], see `gap_of_rest`
+  double closing = 0;     ///< sqrt(g/h): how fast they do [1/s]
 };
+
+/// Material rests below this share of sqrt(g h), the speed in which things fall by half a cell.
+inline constexpr double share_of_rest = 0.1;
 
 /// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
 template <int Dim>
@@ -120,9 +125,9 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 /// none.
 template <Number R>
 struct PackSums {
-  R elastic = 0.0, averaging = 0.0, internal_work = 0.0, plastic_work = 0.0, collisional_work = 0.0;
-  R viscous_work = 0.0;
-  R viscosity = 0.0, n_separated = 0.0, n_unconverged = 0.0;
+  LaneSum<R> elastic, averaging, internal_work, plastic_work, collisional_work, viscous_work, returned_work;
+  LaneSum<R> n_separated, n_unconverged;
+  R viscosity = 0.0;
 
   TALUS_HD void add_to(TileSums& sums) const {
     sums[Sum::elastic] += sum_of(elastic);
@@ -131,6 +136,7 @@ struct PackSums {
     sums[Sum::plastic_work] += sum_of(plastic_work);
     sums[Sum::collisional_work] += sum_of(collisional_work);
     sums[Sum::viscous_work] += sum_of(viscous_work);
+    sums[Sum::returned_work] += sum_of(returned_work);
     sums.raise(Most::viscosity, largest_of(viscosity));
     sums[Sum::separated] += sum_of(n_separated);
     sums[Sum::unconverged] += sum_of(n_unconverged);
@@ -145,6 +151,41 @@ struct PackSums {
 template <Number R>
 TALUS_HD R viscous_pressure(R damping, R rate, R bulk_tension) {
   return max(R(0.0) - damping * rate, min(R(0.0), bulk_tension));
+}
+
+/// What is left of a gap, a volumetric strain, in material that rests, after a step. A grain with nothing below it falls.
+/// Where a cell holds few particles the velocities of its nodes are those of its neighbours, which may carry it while its
+/// own grains are apart: nothing would make them fall. So they do here: a gap s of a cell h closes at the rate sqrt(g s/h),
+/// in twice the time sqrt(s h/g). What flows or flies keeps its gaps.
+template <Number R>
+TALUS_HD R gap_of_rest(R gap, double fallen) {
+  const R root = max(sqrt(gap) - R(fallen), R(0.0));
+  return root * root;
+}
+
+/// Lets gaps close where material is slower than `how.rest_speed`; a gap that cohesion spans stays. Returns where none is
+/// left of one.
+template <Number R, class Law, int Dim>
+TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particles, int first, int count,
+                              const StressUpdate& how, typename Law::template State<R>& state) {
+  using State = typename Law::template State<R>;
+  using talus::select;  // laws have others in `detail`
+  const R zero(0.0), x = Law::compression(state);
+  mask_t<R> closes = x < zero;
+  if (!any(closes)) return closes;
+  R speed2(0.0);
+  for (int a = 0; a < Dim; ++a) {
+    const R v = load<R>(particles.velocity(a) + first, count);
+    speed2 += v * v;
+  }
+  closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
+  if (!any(closes)) return closes;
+  const R a(law.growth_in_gap()), left = gap_of_rest(max(zero - x, zero) / a, 0.5 * how.dt * how.closing);
+  State closed = state;
+  law.impose_compression(closed, zero - a * left, zero);
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
+    numbers_of<R>(state)[k] = select(closes, numbers_of<R>(closed)[k], numbers_of<R>(state)[k]);
+  return closes & !(left > zero);
 }
 
 }  // namespace detail
@@ -201,7 +242,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
         total.averaging += own - reference_volume * law.specific_volume(state) * law.elastic_energy(state);
       }
     }
-    const Response<R> response = law.update(state, motion, how.integration);
+    Response<R> response = law.update(state, motion, how.integration);
+    if constexpr (AveragesCompression<Law>)
+      if (averages && how.closing > 0)
+        response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
+                                  R(double(Outcome::zero_pressure)), response.outcome);
     store_states<R>(particles, first, count, state);
 
     const R volume = reference_volume * law.specific_volume(state);
@@ -209,11 +254,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     R diffusion = volume * response.viscosity;
     if constexpr (StiffensFromNothing<Law>) {
       if (how.bulk_viscosity > 0) {
-        const R impedance = sqrt(max(zero, response.stiffness * mass * volume));  // rho c V
+        const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
         const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
         const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
         for (int c = 0; c < 3; ++c) flux[c] -= q;
-        total.viscous_work -= dt * q * trace(rate);
+        total.viscous_work += -(dt * q * trace(rate));
         diffusion += damping;
       }
     }
@@ -224,8 +269,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     total.internal_work += volume * response.work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;
+    if constexpr (MayReturnWork<Law>)
+      total.returned_work +=
+          volume * dt * max(zero, zero - collisional_dissipation(Law::collisional_stress(state), motion.strain_rate));
     store(&s.stiffness[i], volume * response.stiffness);
-    total.viscosity = max(total.viscosity, diffusion / mass);
+    if (any(diffusion > zero)) total.viscosity = max(total.viscosity, diffusion / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
     };

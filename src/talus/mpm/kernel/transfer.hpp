@@ -1,38 +1,36 @@
 #pragma once
 /// Sums over the nodes that one particle touches, and over the particles that touch a node.
 ///
-/// A node is a plain struct of four numbers, which are interpolated and scattered together (`load_node`), or a double.
+/// A node is a plain struct of four or eight numbers, which are interpolated and scattered together (`load_node`), or a
+/// double.
 /// The order is that of memory: the first axis runs fastest.
 
 #include "talus/mpm/kernel/weights.hpp"
 
 namespace talus {
 
-/// What a node is loaded as: a `Quad`, or a double.
+/// What a node is loaded as: a `Quad`, an `Octet`, or a double.
 template <class Node>
 using NodeNumbers = decltype(load_node(std::declval<const Node&>()));
 
-/// Sum of N_I value_I, of two fields at once.
-template <int Dim, class Shape, class A, class B>
-TALUS_HD void interpolate(const ParticleWeights<Dim, Shape>& w, const A* a, const B* b, Quad& at_a, Quad& at_b) {
+/// Sum of N_I value_I.
+template <int Dim, class Shape, class Node>
+TALUS_HD NodeNumbers<Node> interpolate(const ParticleWeights<Dim, Shape>& w, const Node* nodes) {
+  using R = NodeNumbers<Node>;
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
-  at_a = at_b = Quad(0.0);
+  nodes += w.first();
+  R sum(0.0);
   for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-    Quad plane_a = Quad(0.0), plane_b = Quad(0.0);
+    R plane(0.0);
     for (int j = 0; j < n; ++j) {
-      const int at = w.first() + edge * (j + edge * k);
-      Quad row_a = Quad(0.0), row_b = Quad(0.0);
-      for (int i = 0; i < n; ++i) {
-        row_a = multiply_add(Quad(w.N(0, i)), load_node(a[at + i]), row_a);
-        row_b = multiply_add(Quad(w.N(0, i)), load_node(b[at + i]), row_b);
-      }
-      plane_a = multiply_add(Quad(w.N(1, j)), row_a, plane_a);
-      plane_b = multiply_add(Quad(w.N(1, j)), row_b, plane_b);
+      const Node* at = nodes + edge * (j + edge * k);
+      R row(0.0);
+      for (int i = 0; i < n; ++i) row = multiply_add(R(w.N(0, i)), load_node(at[i]), row);
+      plane = multiply_add(R(w.N(1, j)), row, plane);
     }
-    const Quad weight(Dim == 3 ? w.N(Dim - 1, k) : 1.0);
-    at_a = multiply_add(weight, plane_a, at_a);
-    at_b = multiply_add(weight, plane_b, at_b);
+    sum = multiply_add(R(Dim == 3 ? w.N(Dim - 1, k) : 1.0), plane, sum);
   }
+  return sum;
 }
 
 /// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell: column a of the gradient.

@@ -65,27 +65,28 @@ class VelocityFilter {
     moments_.resize(m.grid.n_tiles());
     fits_.resize(m.grid.n_tiles());
     windows_.resize(m.grid.n_occupied());
-    [&]<int... quads>(std::integer_sequence<int, quads...>) { (find_quad<quads>(m), ...); }
-    (std::make_integer_sequence<int, FilterMoments<Dim>::n_quads>());
+    [&]<int... octets>(std::integer_sequence<int, octets...>) { (find_octet<octets>(m), ...); }
+    (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
     from_particles_.assign(std::size_t(m.grid.n_tiles()), {});
     for (int t = 0; t < m.grid.n_tiles(); ++t)
       if (m.walls->near_wall(t))
         from_particles_[std::size_t(t)].assign(moments_.of(t), moments_.of(t) + Layout::n_nodes);
     m.walls->fold(m.backend, moments_.data());
   }
-  /// One quad of the moments of all nodes.
-  template <int quad>
-  void find_quad(Model<Dim, Shape>& m) {
+  /// Eight of the moments of all nodes.
+  template <int octet>
+  void find_octet(Model<Dim, Shape>& m) {
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
       if (!m.has_particles(t)) return;
       clear_window<Dim, Shape>(windows_.of(t));
-      m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<quad>(p, m.domain, windows_.of(t)); });
+      m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<octet>(p, m.domain, windows_.of(t)); });
     });
     exchange_windows(m.backend, m.halo, windows_);
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
-      FourMoments sums[Layout::n_nodes];
+      EightMoments sums[Layout::n_nodes];
       add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), sums);
-      for (int i = 0; i < Layout::n_nodes; ++i) moments_.of(t)[i].quads[quad] = sums[i];
+      for (int i = 0; i < Layout::n_nodes; ++i)
+        for (int half : {0, 1}) moments_.of(t)[i].quads[2 * octet + half] = sums[i].quads[half];
     });
   }
   /// The momentum that the fits of a tile near a wall have beyond that of the particles they were made from [N s].
@@ -111,7 +112,7 @@ class VelocityFilter {
 
   typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals
   typename Grid<Dim, Shape>::template Nodes<FilterFit<Dim>> fits_;
-  typename Grid<Dim, Shape>::template Windows<FourMoments> windows_;
+  typename Grid<Dim, Shape>::template Windows<EightMoments> windows_;
   std::vector<std::vector<FilterMoments<Dim>>> from_particles_;  ///< of the nodes of tiles near walls
 };
 

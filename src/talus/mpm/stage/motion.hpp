@@ -10,20 +10,19 @@ namespace talus {
 template <Advance which, int Dim, class Shape>
 void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step) {
   using Layout = TileLayout<Dim, Shape>;
-  MassVelocity new_velocity[Layout::n_window];
-  Acceleration acceleration[Layout::n_window];
-  m.window_of(t, m.grid.new_velocity, new_velocity);
-  m.window_of(t, m.grid.acceleration, acceleration);
-  if (which != Advance::places && is_affine(m.numerics.transfer))
+  if (which != Advance::places && is_affine(m.numerics.transfer)) {
+    MassVelocity new_velocity[Layout::n_window];
+    m.window_of(t, m.grid.new_velocity, new_velocity);
     m.for_each_body(t, [&](auto&, const auto& points) {
       if (m.numerics.transfer == Transfer::apic)
         find_affine_motion<true>(points, m.domain, new_velocity);
       else
         find_affine_motion<false>(points, m.domain, new_velocity);
     });
-  m.for_each_body(t, [&](auto&, const auto& points) {
-    advance<which>(points, m.domain, step.dt, step.kept, new_velocity, acceleration);
-  });
+  }
+  NodeMotion nodes[Layout::n_window];
+  fill_window<Dim, Shape>(m.grid.tile(t), m.grid.new_velocity.data(), m.grid.acceleration.data(), nodes);
+  m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
 }
 
 /// Power of the loads on a tile's particles [W].

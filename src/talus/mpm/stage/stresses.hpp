@@ -1,6 +1,8 @@
 #pragma once
 /// Stresses of particles, and what they and loads exert on nodes.
 
+#include <chrono>
+
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/load.hpp"
 #include "talus/mpm/stage/velocities.hpp"
@@ -41,12 +43,45 @@ void add_gain_at_start(Model<Dim, Shape>& m, int t, const StepInput& step, TileS
   if (felt > 0 && m.contact_finder.any()) add_impulses_of_contacts(m, t);
 }
 
+/// Below which material rests [m/s].
+template <int Dim, class Shape>
+double rest_speed_of(const Model<Dim, Shape>& m) {
+  return share_of_rest * std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) * m.domain.h);
+}
+
+/// Notes the time that the stresses of a body's particles in a tile take, where owners divide the work by it.
+class StressTimer {
+ public:
+  template <class Model, class Body>
+  StressTimer(Model& m, int worker, const Body& body, int n_particles) {
+    if (m.backend.n_owners() == 1) return;
+    time_ = &m.stress_times[std::size_t(worker)][std::size_t(&body - m.bodies.data())];
+    time_->updates += n_particles;
+    start_ = std::chrono::steady_clock::now();
+  }
+  ~StressTimer() {
+    if (time_) time_->seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+  StressTimer(const StressTimer&) = delete;
+  StressTimer& operator=(const StressTimer&) = delete;
+
+ private:
+  StressTime* time_ = nullptr;
+  std::chrono::steady_clock::time_point start_;
+};
+
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
 TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   using Layout = TileLayout<Dim, Shape>;
   const Numerics& n = m.numerics;
-  const StressUpdate how{step.dt, n.integration, n.average_pressure, n.f_bar, bulk_viscosity_of(n)};
+  const StressUpdate how{step.dt,
+                         n.integration,
+                         n.average_pressure,
+                         n.f_bar,
+                         bulk_viscosity_of(n),
+                         rest_speed_of(m),
+                         std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) / m.domain.h)};
   const bool stress_first = n.order == Order::usf;
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
@@ -57,6 +92,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
     const CellFinder<Dim> cells{m.domain.origin, 1 / m.domain.h, m.grid.tile(t).place};
     Vec<3> load{};
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
+      const StressTimer timer(m, worker, body, points.size());
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       find_gradients(points, m.domain, velocity, s);
       update_stress(body.law, points.particles, points.range, cells, how, s, sums);

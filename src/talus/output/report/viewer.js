@@ -60,6 +60,15 @@
   }
 
   // What particles can be coloured by: scalars, vectors by magnitude and component, tensors by component.
+  // Symbols stand beside words; other quantities are named by words already.
+  const words_of = {p: "mean pressure", q: "von Mises stress", kappa: "plastic strain", I: "inertial number", mu: "friction coefficient",
+                    e_c: "critical void ratio", f_Phi: "momentum exchange", lode: "Lode angle", p_col: "collisional pressure",
+                    p_f: "frictional pressure", q_f: "frictional von Mises stress", phi_p: "peak friction angle",
+                    phi_pt: "phase transformation angle"};
+  const label_of = (name) => {
+    const words = words_of[name.split(" ")[0]];
+    return words ? `${words} ${name}` : name.replaceAll("_", " ");
+  };
   const colours = [];
   scene.quantities.forEach((quantity, q) => {
     const names = {1: [""], 3: [" x", " y", " z"], 6: [" xx", " yy", " zz", " xy", " yz", " zx"]}[quantity.components];
@@ -91,7 +100,7 @@
     if (x === 0) return "0";
     const size = Math.abs(x);
     return size >= 1e5 || size < 1e-3 ? x.toExponential(2).replace(/\.?0+e/, "e").replace("e+", "e")
-                                      : String(Number(x.toPrecision(4)));
+                                      : String(Number(x.toPrecision(3)));
   };
   // 1, 2 or 5 times a power of ten, not less than x.
   const round_step = (x) => {
@@ -126,7 +135,8 @@
   // ---- the picture ---------------------------------------------------------------------------------------------------
 
   const stage = by_id("stage"), under = by_id("frame"), pen = under.getContext("2d"), canvas = by_id("particles");
-  const bar_width = 130, margin = {left: 80, right: 24, top: 24, bottom: 64};
+  let bar_width = 130;  // of the colour scale
+  const margin = {left: 80, right: 24, top: 24, bottom: 64};
   let renderer;
   try {
     if (typeof DecompressionStream === "undefined") throw new Error("DecompressionStream is missing");
@@ -269,9 +279,11 @@
 
   function resize() {
     width = stage.clientWidth;
+    bar_width = width < 500 ? 106 : 130;
+    margin.left = width < 500 ? 62 : 80;
     if (flat) {  // as high as the material needs at full width
       const high = (width - bar_width - margin.left - margin.right) * (box.high[1] - box.low[1]) / (box.high[0] - box.low[0]);
-      stage.style.height = Math.max(320, Math.min(640, high + margin.top + margin.bottom)) + "px";
+      stage.style.height = Math.max(240, Math.min(640, window.innerHeight - 270, high + margin.top + margin.bottom)) + "px";
     }
     height = stage.clientHeight;
     const sharp = window.devicePixelRatio || 1;
@@ -455,7 +467,7 @@
       pen.fillText(short(Number(v.toPrecision(6))), x + w + 8, y);
     }
     pen.font = "bold 14px system-ui, sans-serif";
-    const unit = scene.quantities[colour.q].unit, words = colour.name.replaceAll("_", " ").split(" ");
+    const unit = scene.quantities[colour.q].unit, words = label_of(colour.name).split(" ");
     const lines = [""];  // the name, broken where it is too long
     for (const word of [...words, `[${unit === "1" ? "-" : unit}]`]) {
       const longer = (lines[lines.length - 1] + " " + word).trim();
@@ -543,7 +555,7 @@
     by_id("instant").value = frame;
     by_id("time").value = `t = ${short(frames[frame].time)} s, step ${frames[frame].step}`;
     by_id("unit").textContent = scene.quantities[colour.q].unit.replace(/^1$/, "");
-    by_id("meaning").textContent = `${scene.quantities[colour.q].name}: ${scene.quantities[colour.q].meaning}.`;
+    by_id("meaning").textContent = `${label_of(scene.quantities[colour.q].name)}: ${scene.quantities[colour.q].meaning}.`;
     by_id("reading").hidden = true;
     draw();
     document.dispatchEvent(new CustomEvent("instant", {detail: frames[frame].time}));
@@ -569,7 +581,7 @@
   const on = (id, event, act) => by_id(id).addEventListener(event, act);
   const again = () => { set_shades(); draw(); };
 
-  colours.forEach((c, i) => by_id("quantity").add(new Option(c.name, i)));
+  colours.forEach((c, i) => by_id("quantity").add(new Option(label_of(c.name), i)));
   for (let a = 0; a < scene.dim; ++a) by_id("clip_axis").add(new Option("xyz"[a], a));
   by_id("instant").max = frames.length - 1;
   on("quantity", "change", () => {
@@ -591,7 +603,7 @@
     draw();
   });
   for (const id of ["clip_place", "clip_side"]) on(id, "input", () => { set_clip(); draw(); });
-  const views = flat ? [["Whole", [0, 0, 1]]]
+  const views = flat ? [["Reset view", [0, 0, 1]]]
                      : [["Oblique", [1, -1.6, 0.9]], ["From the front", [0, -1, 0]], ["From the side", [1, 0, 0]], ["From above", [0, -1e-4, 1]]];
   for (const [name, direction] of views) {
     const button = document.createElement("button");
@@ -645,7 +657,7 @@
     if (best < 0) return;
     const unit = scene.quantities[colour.q].unit.replace(/^1$/, "");
     const place = [0, 1, 2].slice(0, scene.dim).map((a) => short((p[3 * best + a] + origin[a]) * per_metre)).join(", ");
-    tip.textContent = `${colour.name} ${short(shown.values[best])} ${unit}\n${numbered ? `particle ${best * scene.every}, ` : ""}at ${place} ${length_unit}`;
+    tip.textContent = `${label_of(colour.name)} ${short(shown.values[best])} ${unit}\n${numbered ? `particle ${best * scene.every}, ` : ""}at ${place} ${length_unit}`;
     tip.hidden = false;
     tip.style.left = Math.min(x + 14, width - bar_width - tip.offsetWidth) + "px";
     tip.style.top = Math.min(y + 14, height - tip.offsetHeight - 4) + "px";
@@ -654,9 +666,9 @@
   controls.addEventListener("change", draw);
   window.addEventListener("resize", resize);
 
-  by_id("how").textContent = (flat ? "Drag to move, wheel to zoom." : "Drag to turn, wheel to zoom, right button to move.") +
-    " Point at a particle to read its value; type ends of the scale to change it. With the picture selected, arrow keys" +
-    " step through time and space plays. " + scene.notes;
+  by_id("how").textContent = (flat ? "Drag to move, use the wheel to zoom." : "Drag to rotate, use the wheel to zoom, right button to move.") +
+    " Point at a particle to read its value; edit the ends of the scale to change it. With the view selected, arrow keys" +
+    " step through time and the space bar plays. " + scene.notes;
 
   // For scripts that drive the page: what is shown now.
   window.talus = {
@@ -684,5 +696,5 @@
   set_clip();
   resize();
   look(views[0][1]);
-  show(Math.min(frames.length - 1, Math.floor(frames.length / 4)));
+  show(frames.length - 1);  // the deposit
 })();

@@ -1,0 +1,159 @@
+#include "talus/input/edited_text.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <sstream>
+
+#include "talus/base/error.hpp"
+#include "talus/base/text.hpp"
+#include "talus/input/reader.hpp"
+
+namespace talus {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A stretch of a text, in bytes.
+struct Stretch {
+  std::size_t begin, end;
+};
+
+/// Where a position of the parser, which counts lines and characters from 1, is in a text.
+std::size_t byte_of(std::string_view text, const toml::source_position& at) {
+  std::size_t i = 0;
+  for (toml::source_index line = 1; line < at.line && i < text.size(); ++line)
+    i = std::min(text.find('\n', i), text.size() - 1) + 1;
+  const auto continues = [&](std::size_t k) { return (static_cast<unsigned char>(text[k]) & 0xC0) == 0x80; };
+  for (toml::source_index column = 1; column < at.column && i < text.size(); ++column)
+    for (++i; i < text.size() && continues(i);) ++i;
+  return i;
+}
+
+Stretch stretch_of(std::string_view text, const toml::node& node) {
+  return {byte_of(text, node.source().begin), byte_of(text, node.source().end)};
+}
+
+/// Calls visit(key, value) for every key of every table in a node.
+template <class Visit>
+void visit_keys(const toml::node& node, Visit visit) {
+  if (const toml::array* list = node.as_array())
+    for (const toml::node& item : *list) visit_keys(item, visit);
+  if (const toml::table* table = node.as_table())
+    for (auto&& [key, value] : *table) {
+      visit(key, value);
+      visit_keys(value, visit);
+    }
+}
+
+bool names_a_file(std::string_view key) {
+  constexpr std::string_view keys[] = {"raster",     "surface", "polygons", "top", "bottom",
+                                       "projection", "file",    "rates",    "line"};
+  return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+}
+
+bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\n") == text.npos; }
+
+}  // namespace
+
+OverrideSeries read_override_series(std::string_view text) {
+  const std::size_t equals = std::min(text.find('='), text.size());
+  OverrideSeries series{std::string(text.substr(0, equals)), {}};
+  std::string value;
+  const auto add = [&] {
+    if (is_blank(value) && !series.overrides.empty())
+      throw InputError(fmt::format("--set {} has an empty value; write one comma between values", text));
+    series.overrides.push_back(read_override(series.key + (equals < text.size() ? "=" : "") + value));
+    value.clear();
+  };
+  int brackets = 0;
+  char quote = 0;
+  for (char c : text.substr(std::min(equals + 1, text.size()))) {
+    if (quote != 0 ? c == quote : c == '"' || c == '\'') quote = quote != 0 ? char(0) : c;
+    if (quote == 0) brackets += int(c == '[' || c == '{') - int(c == ']' || c == '}');
+    if (c == ',' && quote == 0 && brackets == 0)
+      add();
+    else
+      value += c;
+  }
+  add();
+  return series;
+}
+
+std::string in_words(std::string_view toml_value) {
+  try {
+    const Document document("a value", "value = " + std::string(toml_value));
+    if (const auto* words = document.root().get("value")->as_string()) return words->get();
+  } catch (const InputError&) {  // as it is
+  }
+  return std::string(toml_value);
+}
+
+void expect_table_of(const Override& override_, const std::string& name, const std::string& text) {
+  const Document document(name, text);
+  const toml::node* node = &document.root();
+  const std::vector<std::string>& path = override_.path;
+  for (std::size_t depth = 0; depth + 1 < path.size(); ++depth) {
+    const toml::table* table = node->as_table();
+    if (!table) return;
+    node = table->get(path[depth]);
+    if (node) continue;
+    std::vector<std::string_view> names;
+    for (auto&& [key, value] : *table)
+      if (value.is_table() && depth > 0) names.push_back(key.str());
+    if (names.empty()) return;
+    const std::string alike(most_alike(path[depth], names));
+    throw InputError(fmt::format(
+        "{}: {} has no `{}`; {}", override_.source, fmt::join(path.begin(), path.begin() + std::ptrdiff_t(depth), "."),
+        path[depth], alike.empty() ? "it has " + any_of(names, "and") : fmt::format("did you mean `{}`?", alike)));
+  }
+}
+
+std::string without_key(const std::string& name, const std::string& text, const std::vector<std::string>& path) {
+  const Document document(name, text);
+  const std::string key = fmt::format("{}", fmt::join(path, "."));
+  const toml::table* table = &document.root();
+  for (std::size_t depth = 0; table && depth + 1 < path.size(); ++depth) {
+    const toml::node* next = table->get(path[depth]);
+    table = next ? next->as_table() : nullptr;
+  }
+  if (table)
+    for (auto&& [word, value] : *table) {
+      if (word.str() != path.back()) continue;
+      const std::size_t begin = byte_of(text, word.source().begin), end = stretch_of(text, value).end,
+                        line = begin == 0 ? 0 : text.rfind('\n', begin - 1) + 1,
+                        next = std::min(text.find('\n', end), text.size() - 1) + 1;
+      const std::string_view after = std::string_view(text).substr(end, next - end);
+      if (is_blank(std::string_view(text).substr(line, begin - line)) &&
+          is_blank(after.substr(0, std::min(after.find('#'), after.size()))) && end > begin)
+        return text.substr(0, line) + text.substr(next);
+      throw InputError(fmt::format("{}: {} cannot be removed; it does not stand on a line of its own", name, key));
+    }
+  throw InputError(fmt::format("{}: there is no {}", name, key));
+}
+
+std::string with_absolute_paths(const std::string& name, const std::string& text, const std::string& folder) {
+  const Document document(name, text);
+  std::vector<std::pair<Stretch, std::string>> changes;
+  visit_keys(document.root(), [&](const toml::key& key, const toml::node& value) {
+    const toml::value<std::string>* path = value.as_string();
+    std::error_code none;
+    if (path && names_a_file(key.str()) && fs::is_regular_file(fs::path(folder) / path->get(), none))
+      changes.emplace_back(stretch_of(text, value),
+                           fs::absolute(fs::path(folder) / path->get()).lexically_normal().string());
+  });
+  std::sort(changes.begin(), changes.end(), [](const auto& a, const auto& b) { return a.first.begin > b.first.begin; });
+  std::string changed = text;
+  for (const auto& [old, path] : changes) {
+    std::ostringstream quoted;
+    quoted << toml::toml_formatter(toml::value<std::string>(path));
+    changed.replace(old.begin, old.end - old.begin, quoted.str());
+  }
+  return changed;
+}
+
+}  // namespace talus

@@ -1,0 +1,38 @@
+#pragma once
+/// Parts of HDF5 files. HDF5 runs on one thread at a time.
+
+#include <hdf5.h>
+
+#include <string>
+
+namespace talus::hdf5 {
+
+/// To be called before any other function: errors are thrown instead of printed, and files that could not be written are
+/// left alone when the program ends, which HDF5 would crash on.
+void begin();
+
+/// An HDF5 identifier that closes itself; a negative one is an error.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t), const char* action);
+  ~Handle() { close_(id_); }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// Throws std::runtime_error "HDF5 could not ..." if the status is negative.
+void check(herr_t status, const char* action);
+
+void write_text_attribute(hid_t object, const char* name, const std::string& text);
+std::string read_text_attribute(hid_t object, const char* name);
+
+/// A text of any length as a dataset.
+void write_text(hid_t group, const char* name, const std::string& text);
+std::string read_text(hid_t group, const char* name);
+
+}  // namespace talus::hdf5
