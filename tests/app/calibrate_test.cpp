@@ -56,7 +56,8 @@ TEST_F(Calibrate, LeavesAPageAMaterialAndTheConstantsOfAUserMaterial) {
   EXPECT_EQ(result["left_out"].size(), 2u);
   EXPECT_TRUE(has(contents(out / "material.toml"), "law = \"linear_elastic\"\nE = \"2.0"));
   EXPECT_TRUE(has(contents(out / "material.toml"), "Pa\"")) << contents(out / "material.toml");
-  EXPECT_TRUE(has(contents(out / "user_material.inp"), "*DEPVAR\n9\n*USER MATERIAL, CONSTANTS=9, UNSYMM\n8, 1, 0, 1e-06, 0, 0, "));
+  EXPECT_TRUE(has(contents(out / "user_material.inp"),
+                  "*DEPVAR\n9\n*USER MATERIAL, CONSTANTS=9, UNSYMM\n8, 1, 0, 1e-06, 0, 0, "));
   const std::string page = contents(out / "index.html");
   for (const char* part : {"an elastic block", "data:image/svg+xml;base64,", "Young", "Correlation", "*USER MATERIAL"})
     EXPECT_TRUE(has(page, part)) << part;

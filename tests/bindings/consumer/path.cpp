@@ -1,10 +1,11 @@
 /// A law from C++: wrong settings are reported together; a thousand points are updated at a time.
 
+#include <talus/law.h>
+
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
-#include <talus/law.h>
 #include <vector>
 
 int main() {
