@@ -357,7 +357,7 @@ TEST_F(Resume, AFolderThatCannotBeWrittenIsSaidAtOnce) {
   write("taken", "a file");
   const Finished file = run("taken");
   EXPECT_EQ(file.code, 2);
-  EXPECT_TRUE(has(file.output, "cannot be made")) << file.output;
+  EXPECT_TRUE(has(file.output, "cannot create the folder")) << file.output;
   EXPECT_EQ(contents(in("taken")), "a file");
   // a folder in which even root makes no files
   const Finished system = talus("run " + in("slump.toml") + " --out /proc/self/fdinfo");

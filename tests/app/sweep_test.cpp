@@ -90,7 +90,7 @@ TEST_F(ASweep, StopsWithCheckpointsAndContinues) {
   EXPECT_EQ(stopped.code, 130) << stopped.output;
   EXPECT_EQ(record()["runs"][0]["outcome"], "stopped");
   EXPECT_EQ(record()["runs"][1]["outcome"], "waiting");
-  EXPECT_TRUE(fs::exists(folder_ / "s" / "nu_0" / "checkpoint_1.talus"));
+  EXPECT_TRUE(fs::exists(folder_ / "s" / "nu_0" / "checkpoint_1.h5"));
 }
 
 TEST_F(ASweep, RefusesTheFolderOfAnotherCase) {

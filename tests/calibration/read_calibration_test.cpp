@@ -253,9 +253,9 @@ TEST_F(CalibrationFile, DataInPercentWithoutAUnitIsFound) {
 }
 
 TEST(CalibrationsThatShip, AreRight) {
-  for (const char* folder : {"karlsruhe_fine_sand", "grain_shear"}) {
-    const std::string file = std::string(TALUS_SOURCE_DIR "/validation/") + folder + "/calibrate.toml";
-    EXPECT_NO_THROW(EXPECT_GT(read_calibration(file).tests.size(), 7u)) << file;
+  for (const char* name : {"karlsruhe_fine_sand/calibrate", "grain_shear/calibrate", "grain_shear/calibrate_steady"}) {
+    const std::string file = std::string(TALUS_SOURCE_DIR "/validation/") + name + ".toml";
+    EXPECT_NO_THROW(EXPECT_GT(read_calibration(file).tests.size(), 3u)) << file;
   }
 }
 

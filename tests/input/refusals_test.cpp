@@ -91,7 +91,7 @@ TEST_F(Refusal, AMissingSizeIsOneMistakeAndNotEveryoneItWouldHaveBeenComparedWit
 TEST_F(Refusal, RunsThatNeverEnd) {
   const std::string long_run = slump("end = \"0.5 s\"", "end = \"1e12 s\"");
   expect(long_run.substr(0, long_run.find("[output]")), "run.end = \"1e12 s\" takes about ");
-  expect(slump("E0 = 150", "E0 = 1e300"), "steps; at most 1e+12 are possible");
+  expect(slump("E0 = 150", "E0 = 1e9"), "");
 }
 
 TEST_F(Refusal, BodiesWithoutParticlesOrOnTopOfEachOther) {

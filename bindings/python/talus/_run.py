@@ -28,7 +28,7 @@ def _complaints(text: str) -> list[Complaint]:
         found = re.match(r"(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): (?P<text>.*)", line)
         if found:
             complaints.append(Complaint(found["file"], int(found["line"]), int(found["column"]), found["text"]))
-        elif not re.fullmatch(r"talus: \d+ mistakes in the input; nothing was run", line):
+        elif not re.fullmatch(r"talus: \d+ errors in the input; nothing was run", line):
             complaints.append(Complaint("", 0, 0, line))
     return complaints
 
@@ -107,7 +107,7 @@ def run(case: Union[Case, StrPath], out: Optional[StrPath] = None, *, threads: i
     if file.exists() and file.read_text(encoding="utf-8") != text:
         if not overwrite:
             raise InputError(f"{folder} holds another case, case.toml; give another folder, or overwrite=True")
-        if (folder / "history.csv").exists() or any(folder.glob("checkpoint_*.talus")):
+        if (folder / "history.csv").exists() or any(folder.glob("checkpoint_*.h5")):
             _remove_results(folder)
     folder.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
@@ -122,7 +122,7 @@ def _value_of_set(value: Any) -> str:
 
 
 def _remove_results(folder: pathlib.Path) -> None:
-    for name in ("checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "record.json", "report.html"):
+    for name in ("checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "record.json", "report.html"):
         (folder / name).unlink(missing_ok=True)
 
 

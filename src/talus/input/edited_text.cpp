@@ -102,10 +102,10 @@ void expect_table_of(const Override& override_, const std::string& name, const s
     if (!table) return;
     node = table->get(path[depth]);
     if (node) continue;
+    // A section whose names the user gives, such as [material.NAME], holds nothing but tables.
+    if (depth != 1 || !table->is_homogeneous(toml::node_type::table)) return;
     std::vector<std::string_view> names;
-    for (auto&& [key, value] : *table)
-      if (value.is_table() && depth > 0) names.push_back(key.str());
-    if (names.empty()) return;
+    for (auto&& [key, value] : *table) names.push_back(key.str());
     const std::string alike(most_alike(path[depth], names));
     throw InputError(fmt::format(
         "{}: {} has no `{}`; {}", override_.source, fmt::join(path.begin(), path.begin() + std::ptrdiff_t(depth), "."),

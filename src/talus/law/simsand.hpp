@@ -236,7 +236,7 @@ inline StateOrReason<Simsand::State<double>> Simsand::at_rest(const InitialState
 
 inline std::span<const ParameterOf<Simsand>> Simsand::parameters() {
   static const ParameterOf<Simsand> table[] = {
-      {{"E0", "1", Range::positive(), "referential elastic modulus (Eq. 4)"},
+      {{"E0", "1", {0, 1e9, true, false}, "referential elastic modulus (Eq. 4)"},
        [](Simsand& l) -> double& { return l.E0; }},
       {{"nu", "1", {-1, 0.5, true, true}, "Poisson's ratio"}, [](Simsand& l) -> double& { return l.nu; }},
       {{"n", "1", {0, 1, false, true}, "exponent of the elastic stiffness (Eq. 4)"},

@@ -152,15 +152,19 @@ class Stepper final : public Simulation {
     for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
   void rearrange(double dt) {
-    if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
-    carried_.unstretched = -dt;  // the step's own length is added at its end
-    if (model_.numerics.particle_shifting) {
+    const bool is_in_windows = carried_.drift < reach_of_windows;
+    if (is_in_windows) {
+      if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
+      carried_.unstretched = -dt;  // the step's own length is added at its end
+    }
+    if (model_.numerics.particle_shifting && is_in_windows) {
       const TileSums sums = shift_.apply(model_, ledger_.time);
       ledger_.add_shift(sums);
       expect_inside(sums);
     }
     ++carried_.n_rearranged;
-    if (model_.numerics.particle_splitting && std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {
+    if (model_.numerics.particle_splitting && is_in_windows &&
+        std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {
       const RefinementCost cost = refinement_.apply(model_, ledger_.time, long(carried_.n_ids));
       carried_.n_ids += double(cost.n_split);
       ledger_.add_refinement(cost.n_split, cost.n_merged, cost.particles);
@@ -217,10 +221,12 @@ class Stepper final : public Simulation {
     }
   }
 
-  /// Distance in cells that a particle may go before particles are put in cell order again. Below half a cell, beyond
-  /// which windows end; a tenth, because where compression is averaged, particles that have left their tile still count
-  /// as in its nearest cell.
+  /// Distance in cells that a particle may go before particles are put in cell order again: a tenth, because where
+  /// compression is averaged, particles that have left their tile still count as in its nearest cell.
   static constexpr double largest_drift = 0.1;
+  /// Distance in cells from its place in the order beyond which a particle's nodes may lie outside the window of its tile.
+  /// In free fall a single step may be half a cell long.
+  static constexpr double reach_of_windows = 0.5;
   /// Particles go half a cell at most before they are looked at again.
   static constexpr double rearranged_per_refinement = 4;
   /// Often enough that a filter takes little at a time, seldom enough to cost little.
