@@ -43,19 +43,27 @@ template <int Dim, class Shape, class F>
   throw RunError(fault);
 }
 
-/// Why a state is not finite, if the cause is known: a cell that its own weight strains by a tenth is too soft for any
-/// step. The strain is rho g h/(rho c^2), of a cell of size h where waves travel at the speed c.
+/// Why the state of a run breaks in material too soft for any step: its own weight strains a cell by a tenth or more. The
+/// strain is rho g h/(rho c^2), of a cell of size h where waves travel at the speed c. Else empty.
 template <int Dim, class Shape>
-std::string reason_not_finite(const Model<Dim, Shape>& m, double wave_speed) {
+std::string softness(const Model<Dim, Shape>& m, double wave_speed) {
   const double acceleration = std::sqrt(dot(m.gravity, m.gravity));
   const double strain = acceleration * m.domain.h / (wave_speed * wave_speed);
-  std::string text = fmt::format("Wave speed {:.3g} m/s, gravity {:.3g} m/s2", wave_speed, acceleration);
-  if (!(strain > 0.1))
-    return text + ". Remove a fixed `dt` or use a smaller `cfl`; if the error persists, report it as a bug.\n";
-  return text + fmt::format(
-                    ": the weight of one cell ({:.3g} m) strains it by {:.3g} %, and at most a few per cent can "
-                    "be computed. Use a stiffer material or less gravity.\n",
-                    m.domain.h, 100 * strain);
+  if (!(strain > 0.1)) return "";
+  return fmt::format(
+      "Wave speed {:.3g} m/s, gravity {:.3g} m/s2: the weight of one cell ({:.3g} m) strains it by {:.3g} %, and at "
+      "most a few per cent can be computed. Use a stiffer material or less gravity.\n",
+      wave_speed, acceleration, m.domain.h, 100 * strain);
+}
+
+template <int Dim, class Shape>
+std::string reason_not_finite(const Model<Dim, Shape>& m, double wave_speed) {
+  const std::string soft = softness(m, wave_speed);
+  if (!soft.empty()) return soft;
+  return fmt::format(
+      "Wave speed {:.3g} m/s, gravity {:.3g} m/s2. Remove a fixed `dt` or use a smaller `cfl`; if the error persists, "
+      "report it as a bug.\n",
+      wave_speed, std::sqrt(dot(m.gravity, m.gravity)));
 }
 
 /// `wave_speed`: the largest before the step.
@@ -72,12 +80,13 @@ template <int Dim, class Shape>
   double n = 0;
   for (const Message& of_one : m.backend.gather({n_of_owner})) n += of_one[0];
   if (n > 0) stop(m, ledger, "the state is not finite", is_not_finite, reason_not_finite(m, wave_speed));
+  const std::string soft = softness(m, wave_speed);
   stop(
       m, ledger, "a particle has left the domain",
       [&](const Body<Dim>& body, int i) {
         return !m.domain.contains(m.domain.in_cells(body.particles.view().places(i, 1)));
       },
-      "Use a larger domain, or a side of kind `outflow`, where material may leave.\n");
+      soft.empty() ? "Use a larger domain, or a side of kind `outflow`, where material may leave.\n" : soft);
 }
 
 template <int Dim, class Shape>
