@@ -15,4 +15,14 @@ in_root talus --version
 in_root talus element /usr/share/doc/talus/cases/element/undrained_simple_shear.toml --out /tmp/shear.csv
 in_root sh -c 'wc -l /tmp/shear.csv; du -sh --apparent-size / 2>/dev/null | tail -1; test -f /usr/lib/libtalus_umat.so'
 in_root sh -c 'sed "s/^end = .*/end = \"1 ms\"/" /usr/share/doc/talus/cases/slump_2d.toml >/tmp/slump.toml; talus run /tmp/slump.toml --out /tmp/slump | tail -3'
+in_root test -f /usr/include/talus/law.h
+if in_root test -d /usr/lib/python3/dist-packages/talus; then
+  in_root python3 - <<'EOF'
+import talus
+sand = talus.Law("mohr_coulomb", E="20 MPa", nu=0.3, c="5 kPa", phi="30 deg", psi="5 deg")
+path = talus.element(sand, test="triaxial", drainage="drained", pressure="100 kPa", axial_strain="5 %")
+run = talus.open("/tmp/slump")
+print(talus.version(), path["q"].max(), run.outcome, len(run.snapshots))
+EOF
+fi
 echo "the packages install and run in a bare Debian 12"
