@@ -333,7 +333,8 @@ class PointLaw {
       start.strain_rate = tensor(strain_rate.data(i, 0));
       start.collisional_stress = tensor(collisional_stress.data(i, 0));
       const std::string where = n > 1 ? "point " + std::to_string(i) + ": " : "";
-      if (const std::string why = talus::fault_of_start(law_, start); !why.empty()) throw talus::InputError(where + why);
+      if (const std::string why = talus::fault_of_start(law_, start); !why.empty())
+        throw talus::InputError(where + why);
       const auto numbers = talus::state_at_rest(law_, start);
       if (const auto* reason = std::get_if<std::string>(&numbers))
         throw talus::InputError(where + "the initial state is impossible: " + *reason);
@@ -403,7 +404,8 @@ class PointLaw {
   void rotate(Numbers states, const Numbers& Q) const {
     for (py::ssize_t i = 0; i < states.shape(0); ++i) {
       const double* q = Q.data(i, 0);
-      talus::turn_point(law_, states.mutable_data(i, 0), {{{q[0], q[1], q[2]}, {q[3], q[4], q[5]}, {q[6], q[7], q[8]}}});
+      talus::turn_point(law_, states.mutable_data(i, 0),
+                        {{{q[0], q[1], q[2]}, {q[3], q[4], q[5]}, {q[6], q[7], q[8]}}});
     }
   }
 
@@ -413,7 +415,8 @@ class PointLaw {
   static talus::Integration integration(const std::string& name, double tolerance) {
     for (std::size_t i = 0; i < std::size(talus::integrator_choices); ++i)
       if (talus::integrator_choices[i].word == name) return {talus::Integrator(i), tolerance};
-    throw talus::InputError("integrator = \"" + name + "\" must be `modified_euler`, `return_mapping` or `forward_euler`");
+    throw talus::InputError("integrator = \"" + name +
+                            "\" must be `modified_euler`, `return_mapping` or `forward_euler`");
   }
 
   template <class F>
