@@ -54,8 +54,8 @@ class PointsUnderALaw(unittest.TestCase):
         state = self.law.initial_state(pressure="1 kPa", void_ratio=0.85)
         numbers = state.values.copy()
         outcomes = set()
-        for strain, dt in [([0, 0, 0, 1e-2, 0, 0], 0.1), ([0, 0, 0, 1e-2, 0, 0], 1e-4), ([1e-5, -3e-5, 0, -2e-3, 0, 1e-4], 1e-2),
-                           ([0, -1e-5, 0, 0, 0, 0], 0), ([1e-2, 0, 0, 0, 0, 0], 1e-2)]:
+        for strain, dt in [([0, 0, 0, 2e-3, 0, 0], 0.02), ([0, 0, 0, 2e-3, 0, 0], 2e-5), ([1e-5, -3e-5, 0, -2e-3, 0, 1e-4], 1e-2),
+                           ([0, -1e-5, 0, 0, 0, 0], 0), ([2e-3, 0, 0, 0, 0, 0], 1e-2)]:
             expected, tangent = c.update(numbers, np.array(strain, dtype=float), dt)
             step = self.law.update(state, strain, dt, tangent=True)
             np.testing.assert_array_equal(state.values, numbers)
@@ -80,7 +80,7 @@ class PointsUnderALaw(unittest.TestCase):
 
     def test_in_arrays_have_the_bits_of_one_by_one(self):
         pressures = np.array([[1e3, 2e3, 5e4], [1e4, 3e4, 7e4]])
-        strain = 1e-3 * np.random.default_rng(1).standard_normal((2, 3, 6))
+        strain = 3e-4 * np.random.default_rng(1).standard_normal((2, 3, 6))
         state = self.law.initial_state(pressure=pressures, void_ratio=0.85)
         self.assertEqual(state.shape, (2, 3))
         self.assertEqual(state["frictional_stress"].shape, (2, 3, 6))
@@ -139,7 +139,7 @@ class PointsUnderALaw(unittest.TestCase):
             talus.Law("mohr_coulomb", E="1 MPa", nu=0.3, c="0 Pa", phi="30 deg", psi="0 deg").update(state, [0] * 6, 1)
 
     def test_let_other_threads_run(self):
-        state = self.law.initial_state(pressure=np.full(4000, 1e5), void_ratio=0.85)
+        state = self.law.initial_state(pressure=np.full(1000, 1e5), void_ratio=0.85)
         done = threading.Event()
 
         def work():
@@ -153,7 +153,7 @@ class PointsUnderALaw(unittest.TestCase):
             ticks += 1
             time.sleep(1e-4)
         thread.join()
-        self.assertGreater(ticks, 20)
+        self.assertGreater(ticks, 5)
 
 
 if __name__ == "__main__":
