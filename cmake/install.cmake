@@ -4,6 +4,7 @@
 #   lib/talus/                       its libraries, for talus only: no stable interface. glibc-hwcaps/ below has the kernels for newer processors
 #   lib/libtalus_law.so.0            the laws for other programs (include/talus/law.h); versioned, bindings/c/exports.map has its symbols
 #   lib/libtalus_umat.so             user material of Abaqus, PLAXIS and Anura3D, loaded at run time
+#   lib/talus/libtalus_mpi.so        with TALUS_MPI: runs over several processes
 #   include/talus/, lib/cmake/talus  header and configuration for find_package(talus)
 if(TALUS_SANITIZE)
   return()
@@ -13,20 +14,25 @@ include(CMakePackageConfigHelpers)
 set(own_libraries ${CMAKE_INSTALL_LIBDIR}/talus)
 file(RELATIVE_PATH from_program ${CMAKE_INSTALL_FULL_BINDIR} ${CMAKE_INSTALL_FULL_LIBDIR}/talus)
 
+# Libraries are found from where talus is; without /proc, as in a bare root, the loader knows no such place, and the second path serves.
+set(packaged_libraries /usr/${CMAKE_INSTALL_LIBDIR}/talus)
 install(TARGETS talus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-set_target_properties(talus PROPERTIES INSTALL_RPATH "$ORIGIN/${from_program}")
+set_target_properties(talus PROPERTIES INSTALL_RPATH "$ORIGIN/${from_program};${packaged_libraries}")
 install(TARGETS libtalus libtalus_kernels LIBRARY DESTINATION ${own_libraries} COMPONENT program)
-set_target_properties(libtalus libtalus_kernels PROPERTIES INSTALL_RPATH "$ORIGIN")
+set_target_properties(libtalus libtalus_kernels PROPERTIES INSTALL_RPATH "$ORIGIN;${packaged_libraries}")
 if(build_for_all)
   foreach(level 3 4)
     install(TARGETS libtalus_kernels_v${level} LIBRARY DESTINATION ${own_libraries}/glibc-hwcaps/x86-64-v${level} COMPONENT program)
-    set_target_properties(libtalus_kernels_v${level} PROPERTIES INSTALL_RPATH "$ORIGIN/../..")
+    set_target_properties(libtalus_kernels_v${level} PROPERTIES INSTALL_RPATH "$ORIGIN/../..;${packaged_libraries}")
   endforeach()
 endif()
 
 install(TARGETS talus_law LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program NAMELINK_COMPONENT development)
 install(TARGETS talus_umat LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program)
-set_target_properties(talus_law talus_umat PROPERTIES INSTALL_RPATH "$ORIGIN/talus")
+set_target_properties(talus_law talus_umat PROPERTIES INSTALL_RPATH "$ORIGIN/talus;${packaged_libraries}")
+if(TALUS_MPI)
+  install(TARGETS libtalus_mpi LIBRARY DESTINATION ${own_libraries} COMPONENT mpi)
+endif()
 
 install(DIRECTORY include/talus DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT development)
 set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/talus)
@@ -69,6 +75,14 @@ if(TALUS_PYTHON)
   set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy, python3-h5py")
   set(CPACK_COMPONENT_PYTHON_DESCRIPTION "talus as a Python module")
   set(CPACK_COMPONENT_PYTHON_DEPENDS program)
+endif()
+if(TALUS_MPI)
+  list(APPEND packaged mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_NAME talus-mpi)
+  set(CPACK_DEBIAN_MPI_PACKAGE_DEPENDS openmpi-bin)
+  set(CPACK_COMPONENT_MPI_DESCRIPTION "Runs of talus over several processes
+ Messages between processes by Open MPI: mpirun -n 4 talus run CASE.toml.")
+  set(CPACK_COMPONENT_MPI_DEPENDS program)
 endif()
 set(CPACK_COMPONENTS_ALL ${packaged})
 include(CPack)

@@ -91,8 +91,8 @@ def takes(value):
     if "enum" in value:
         return ", ".join(f"`{w}`" for w in value["enum"])
     kind = value.get("type", "")
-    if isinstance(kind, list):
-        return " or ".join(takes({**value, "type": one}) for one in kind)
+    if kind == ["number", "string"]:
+        return "number or text with %"
     if kind == "array":
         n = value.get("minItems", 0) if value.get("minItems") == value.get("maxItems") else 0
         return f"list of {str(n) + ' x ' if n > 1 else ''}{takes(value['items'])}"

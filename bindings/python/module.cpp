@@ -7,6 +7,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -22,13 +23,16 @@
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/machine.hpp"
+#include "talus/base/units.hpp"
 #include "talus/case/material.hpp"
+#include "talus/case/start_of_law.hpp"
 #include "talus/element/driver.hpp"
 #include "talus/input/edited_text.hpp"
 #include "talus/input/read.hpp"
 #include "talus/input/read_law.hpp"
 #include "talus/input/schema.hpp"
 #include "talus/input/sections.hpp"
+#include "talus/law/point.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
 
@@ -253,8 +257,8 @@ py::dict run_element_test(const std::string& name, const std::string& text, cons
 
 // ---- laws ----------------------------------------------------------------------------------------------------------
 
-/// Name, parameters and outputs of a law, from the keys of a [material] section. Complaints have no line: there is no file.
-py::dict describe_law(const std::string& name, const std::string& text) {
+/// A law from the keys of a [material] section. Complaints have no line: there is no file.
+talus::AnyLaw law_from_text(const std::string& name, const std::string& text) {
   talus::AnyLaw any_law;
   try {
     talus::Document document(name, text);
@@ -268,7 +272,13 @@ py::dict describe_law(const std::string& name, const std::string& text) {
     for (talus::Complaint& c : complaints) c.line = c.column = 0;
     throw talus::InputError(complaints);
   }
-  py::dict parameters, options, quantities;
+  return any_law;
+}
+
+/// Parameters and outputs of a law.
+py::dict describe_law(const std::string& name, const std::string& text) {
+  talus::AnyLaw any_law = law_from_text(name, text);
+  py::dict parameters, quantities;
   py::dict told;
   std::visit(
       [&]<class Law>(Law& law) {
@@ -292,6 +302,138 @@ py::list names_of_laws() {
     if (talus::is_named<Law>) names.append(py::make_tuple(std::string(Law::name), std::string(Law::meaning)));
   });
   return names;
+}
+
+using Numbers = py::array_t<double, py::array::c_style>;
+
+/// A law for points whose states are arrays, as in talus/law.h: tension-positive, xx yy zz xy yz zx, tensor shear strains.
+/// All arrays are C-contiguous with a row per point; _element.py checks shapes and values.
+class PointLaw {
+ public:
+  PointLaw(const std::string& name, const std::string& text) : law_(law_from_text(name, text)) {}
+
+  py::list state_fields() const {
+    py::list fields;
+    for (const talus::StateField& f : talus::state_fields_of(law_))
+      fields.append(py::make_tuple(std::string(f.name), f.components, std::string(f.unit), std::string(f.meaning)));
+    return fields;
+  }
+
+  /// States at rest; `kappa` is NaN for the least that carries the stress.
+  Numbers initial(const Numbers& stress, const Numbers& void_ratio, const Numbers& kappa, const Numbers& background,
+                  const Numbers& strain_rate, const Numbers& collisional_stress) const {
+    const py::ssize_t n = void_ratio.size(), size = talus::state_size_of(law_);
+    Numbers states({n, size});
+    for (py::ssize_t i = 0; i < n; ++i) {
+      talus::InitialState start;
+      start.stress = tensor(stress.data(i, 0));
+      start.void_ratio = void_ratio.data()[i];
+      if (const double k = kappa.data()[i]; !std::isnan(k)) start.kappa = k;
+      start.background_pressure = background.data()[i];
+      start.strain_rate = tensor(strain_rate.data(i, 0));
+      start.collisional_stress = tensor(collisional_stress.data(i, 0));
+      const std::string where = n > 1 ? "point " + std::to_string(i) + ": " : "";
+      if (const std::string why = talus::fault_of_start(law_, start); !why.empty())
+        throw talus::InputError(where + why);
+      const auto numbers = talus::state_at_rest(law_, start);
+      if (const auto* reason = std::get_if<std::string>(&numbers))
+        throw talus::InputError(where + "the initial state is impossible: " + *reason);
+      const auto& values = std::get<std::vector<double>>(numbers);
+      std::copy(values.begin(), values.end(), states.mutable_data(i, 0));
+    }
+    return states;
+  }
+
+  /// Moves states in place. Columns of the result: outcome, stiffness, viscosity, work, plastic work, collisional work.
+  /// With `tangents`, (points, 36) or empty, also writes the consistent tangents.
+  Numbers update(Numbers states, const Numbers& strains, std::optional<Numbers> strain_rates, double dt,
+                 const std::string& integrator, double tolerance, Numbers tangents) const {
+    const talus::Integration how = integration(integrator, tolerance);
+    const py::ssize_t n = states.shape(0), size = states.shape(1);
+    Numbers rates = strain_rates ? *strain_rates : Numbers({n, py::ssize_t(6)});
+    Numbers told({n, py::ssize_t(6)});
+    double* const state = states.mutable_data();
+    const double* const strain = strains.data();
+    double* const rate = rates.mutable_data();
+    double* const tangent = tangents.size() > 0 ? tangents.mutable_data() : nullptr;
+    double* const out = told.mutable_data();
+    const py::gil_scoped_release others_may_run;
+    if (!strain_rates) {
+      for (py::ssize_t i = 0; i < 6 * n; ++i) rate[i] = dt > 0 ? strain[i] / dt : 0;
+      if (!(dt > 0)) dt = talus::long_time;  // infinitely slow
+    }
+    std::vector<talus::Response<double>> responses{std::size_t(n)};
+    if (tangent)
+      for (py::ssize_t i = 0; i < n; ++i)
+        responses[std::size_t(i)] = talus::update_point_with_tangent(
+            law_, state + i * size, {tensor(strain + 6 * i), tensor(rate + 6 * i), dt}, how, tangent + 36 * i);
+    else
+      talus::update_points(law_, int(n), state, strain, rate, dt, how, responses.data());
+    for (py::ssize_t i = 0; i < n; ++i) {
+      const talus::Response<double>& r = responses[std::size_t(i)];
+      const double row[] = {r.outcome, r.stiffness, r.viscosity, r.work, r.plastic_work, r.collisional_work};
+      std::copy(row, row + 6, out + 6 * i);
+    }
+    return told;
+  }
+
+  Numbers stress(const Numbers& states) const {
+    return for_all(states, 6, [&](const double* state, double* to) {
+      const talus::SymTensor<double> s = talus::stress_of_point(law_, state);
+      for (int k = 0; k < 6; ++k) to[k] = s[k];
+    });
+  }
+  Numbers elastic_energy(const Numbers& states) const {
+    return for_all(states, 1,
+                   [&](const double* state, double* to) { *to = talus::elastic_energy_of_point(law_, state); });
+  }
+  /// The quantities of the law, one after the other.
+  Numbers quantities(const Numbers& states, const Numbers& strain_rates) const {
+    int size = 0;
+    std::visit(
+        [&]<class Law>(const Law&) {
+          for (const auto& q : Law::quantities()) size += q.components;
+        },
+        law_);
+    const double* rate = strain_rates.data();
+    return for_all(states, size, [&](const double* state, double* to) {
+      talus::quantities_of_point(law_, state, tensor(rate), to);
+      rate += 6;
+    });
+  }
+  void rotate(Numbers states, const Numbers& Q) const {
+    for (py::ssize_t i = 0; i < states.shape(0); ++i) {
+      const double* q = Q.data(i, 0);
+      talus::turn_point(law_, states.mutable_data(i, 0),
+                        {{{q[0], q[1], q[2]}, {q[3], q[4], q[5]}, {q[6], q[7], q[8]}}});
+    }
+  }
+
+ private:
+  static talus::SymTensor<double> tensor(const double* a) { return {a[0], a[1], a[2], a[3], a[4], a[5]}; }
+
+  static talus::Integration integration(const std::string& name, double tolerance) {
+    for (std::size_t i = 0; i < std::size(talus::integrator_choices); ++i)
+      if (talus::integrator_choices[i].word == name) return {talus::Integrator(i), tolerance};
+    throw talus::InputError("integrator = \"" + name +
+                            "\" must be `modified_euler`, `return_mapping` or `forward_euler`");
+  }
+
+  template <class F>
+  static Numbers for_all(const Numbers& states, int components, F f) {
+    Numbers out({states.shape(0), py::ssize_t(components)});
+    for (py::ssize_t i = 0; i < states.shape(0); ++i) f(states.data(i, 0), out.mutable_data(i, 0));
+    return out;
+  }
+
+  talus::AnyLaw law_;
+};
+
+/// The SI value of a text with a unit.
+double to_si(const std::string& key, const std::string& text, const std::string& unit) {
+  const auto value = talus::to_si(text, unit);
+  if (const auto* why = std::get_if<std::string>(&value)) throw talus::InputError(key + " = \"" + text + "\" " + *why);
+  return std::get<double>(value);
 }
 
 // ---- texts of cases ------------------------------------------------------------------------------------------------
@@ -343,6 +485,20 @@ PYBIND11_MODULE(_solver, m) {
   m.def("names_of_laws", &names_of_laws);
   m.def("run_element_test", &run_element_test, py::arg("name"), py::arg("text"), py::arg("folder"));
   m.def("schema", [] { return talus::schema_of_inputs({}); });
+
+  m.def("to_si", &to_si, py::arg("key"), py::arg("text"), py::arg("unit"));
+
+  py::class_<PointLaw>(m, "PointLaw")
+      .def(py::init<const std::string&, const std::string&>(), py::arg("name"), py::arg("text"))
+      .def("state_fields", &PointLaw::state_fields)
+      .def("initial", &PointLaw::initial, py::arg("stress"), py::arg("void_ratio"), py::arg("kappa"),
+           py::arg("background_pressure"), py::arg("strain_rate"), py::arg("collisional_stress"))
+      .def("update", &PointLaw::update, py::arg("states").noconvert(), py::arg("strains"), py::arg("strain_rates"),
+           py::arg("dt"), py::arg("integrator"), py::arg("tolerance"), py::arg("tangents").noconvert())
+      .def("stress", &PointLaw::stress, py::arg("states"))
+      .def("elastic_energy", &PointLaw::elastic_energy, py::arg("states"))
+      .def("quantities", &PointLaw::quantities, py::arg("states"), py::arg("strain_rates"))
+      .def("rotate", &PointLaw::rotate, py::arg("states").noconvert(), py::arg("Q"));
 
   py::class_<Particles>(m, "Particles", "Particles of a simulation at one instant, in the order of their ids.")
       .def_property_readonly("time", &Particles::time, "Time of the instant [s].")

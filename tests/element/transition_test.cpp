@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <tuple>
 
 #include "talus/base/error.hpp"
 #include "talus/element/driver.hpp"
@@ -109,6 +110,33 @@ TEST_P(Transition, OfTheRateFormIsPassedInBothDirections) {
   EXPECT_EQ(fastest[r.column("p_f")], 0);
   EXPECT_LT(fastest[r.column("strain_rate_yy")], 0);
   EXPECT_GT(r.rows[200][r.column("p_f")], 0.9 * sigma_n);
+}
+
+TEST_P(Transition, OfFormsWithHistoryEndsAtTheFoldOfTheirEquationAndTheTestSaysSo) {
+  // With b = D_yy and g = D_xy, `incremental` keeps sigma_yy while mu |g| b - b^2 = g^2 - g_0^2, |g|^2 = g^2 + 3/4 b^2. The left
+  // side has a maximum: 0.0690 g^2 with the mu of liquefied grains at e_ref (I = sqrt(3/2) (Phi_c - Phi)/dPhi = 0.404,
+  // mu = 0.511), 0.0869 g^2 with mu_d; so g <= 1.036 to 1.047 g_0. With `rate` the first term is the integral of 2 mu |g| db, and
+  // b grows until b = mu |g|, 0.57 g: were g constant, g <= 1.18 g_0, and a little less with the smaller g before. These g_0
+  // are up to 1 % below those of the form `total`, because the stress has the momentum exchange of the denser states before.
+  const double sigma_n = GetParam(), most = 1.3 * rate_of_transition(sigma_n), duration = 5;
+  for (const auto& [form, passed, least, largest] :
+       {std::tuple{"incremental", 1.02, 1.025, 1.047}, std::tuple{"rate", 1.1, 1.14, 1.18}}) {
+    const std::string material = granular + "collisional_form = \"" + form + "\"\n";
+    const double turn = passed * rate_of_transition(sigma_n);
+    const auto both = run(material, state(sigma_n, 0.89),
+                          shear(1e-4, turn / duration, duration) + shear(turn + 1e-4, -turn / duration, duration));
+    EXPECT_EQ(both.failure, "") << form;
+    EXPECT_EQ(both.rows[20][both.column("p_f")], 0) << form;
+    EXPECT_GT(both.rows[40][both.column("p_f")], 0.95 * sigma_n) << form;
+
+    const auto beyond = run(material, state(sigma_n, 0.89), shear(1e-4, most / duration, duration));
+    EXPECT_NE(beyond.failure.find("Use collisional_form = \"total\""), std::string::npos) << beyond.failure;
+    double time = 0;
+    std::sscanf(beyond.failure.substr(beyond.failure.find("t = ")).c_str(), "t = %lf", &time);
+    const double ratio = most / duration * time / rate_of_transition(sigma_n);
+    EXPECT_GT(ratio, least) << form;
+    EXPECT_LT(ratio, largest) << form;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Pressures, Transition, testing::Values(10.0, 100.0, 1e3, 1e4));

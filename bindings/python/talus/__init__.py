@@ -24,15 +24,16 @@ from ._results import Run, Snapshot, Snapshots, Sweep, Table, open
 
 if TYPE_CHECKING:
     from ._case import Case, Section, Setting
-    from ._element import ElementResult, Law, element, laws
+    from ._element import ElementResult, Law, LawState, LawStep, element, laws
     from ._run import run, sweep
     from ._simulation import Simulation
 
-__all__ = ["Case", "Complaint", "ElementResult", "InputError", "Law", "Run", "RunError", "Section", "Setting", "Simulation",
+__all__ = ["Case", "Complaint", "ElementResult", "InputError", "Law", "LawState", "LawStep", "Run", "RunError", "Section", "Setting", "Simulation",
            "Snapshot", "Snapshots", "Sweep", "Table", "element", "laws", "open", "plot", "run", "sweep", "version"]
 
 # What needs the compiled part is imported when it is first used, so that results open without it.
 _homes = {"Case": "_case", "Section": "_case", "Setting": "_case", "ElementResult": "_element", "Law": "_element",
+          "LawState": "_element", "LawStep": "_element",
           "element": "_element", "laws": "_element", "run": "_run", "sweep": "_run", "Simulation": "_simulation"}
 
 

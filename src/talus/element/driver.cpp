@@ -618,10 +618,18 @@ class Driver {
   }
 
   [[noreturn]] void fail(const Segment& segment, double start, double t) {
-    const std::string_view advice =
+    std::string_view advice =
         separated_ ? "The grains separate there, and the law carries no stress across the gap between them."
                    : "The material may have failed or lost its pressure there; control a strain instead, or end the "
                      "segment earlier.";
+    if constexpr (RemembersStrainRate<Law>) {
+      // Eq. 12 has no solution beyond a fold: docs/theory/collisional_stress.md, Sec. 5.
+      if (!separated_ && now_.outcome == double(Outcome::separated))
+        advice =
+            "Collisions alone carry the stress there, by dilation that grows with the shear rate, up to about 1.04 "
+            "(collisional_form = \"incremental\") or 1.16 (\"rate\") times the shear rate at which contacts lose their "
+            "pressure. Use collisional_form = \"total\", or lower shear rates.";
+    }
     throw RunError(fmt::format(
         "the control {} cannot be met at t = {:.6g} s (segment time {:.6g} s of {:.6g} s): {} missing "
         "in the smallest step. {}",
