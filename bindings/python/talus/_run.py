@@ -1,4 +1,4 @@
-"""Runs and sweeps by the program `talus`, in processes of their own: their results have the bits of the command line, Python
+"""Runs and sweeps by the program `talus`, in separate processes: results are bit-identical to those of the command line, Python
 stays responsive, and Ctrl-C stops them with a checkpoint."""
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def _complaints(text: str) -> list[Complaint]:
         found = re.match(r"(?P<file>[^:]+):(?P<line>\d+):(?P<column>\d+): (?P<text>.*)", line)
         if found:
             complaints.append(Complaint(found["file"], int(found["line"]), int(found["column"]), found["text"]))
-        elif not re.fullmatch(r"talus: \d+ mistakes in the input; nothing was run", line):
+        elif not re.fullmatch(r"talus: \d+ errors in the input; nothing was run", line):
             complaints.append(Complaint("", 0, 0, line))
     return complaints
 
@@ -89,7 +89,7 @@ def run(case: Union[Case, StrPath], out: Optional[StrPath] = None, *, threads: i
         run = talus.run("cases/slump_2d.toml", out="out/a", progress=True)
 
     `out` is the folder of the results, by default out/NAME. `until` is a time with unit, such as "0.1 s". `overwrite` replaces
-    results that are there; `resume` continues from their last checkpoint, to the same bits. `progress` shows the messages of
+    existing results; `resume` continues from their last checkpoint, with bit-identical results. `progress` shows the messages of
     the program. `threads` is by default the number of processors.
 
     Raises InputError with all complaints about the case; RunError if the run fails; KeyboardInterrupt after Ctrl-C, when the
@@ -107,7 +107,7 @@ def run(case: Union[Case, StrPath], out: Optional[StrPath] = None, *, threads: i
     if file.exists() and file.read_text(encoding="utf-8") != text:
         if not overwrite:
             raise InputError(f"{folder} holds another case, case.toml; give another folder, or overwrite=True")
-        if (folder / "history.csv").exists() or any(folder.glob("checkpoint_*.talus")):
+        if (folder / "history.csv").exists() or any(folder.glob("checkpoint_*.h5")):
             _remove_results(folder)
     folder.mkdir(parents=True, exist_ok=True)
     file.write_text(text, encoding="utf-8")
@@ -122,7 +122,8 @@ def _value_of_set(value: Any) -> str:
 
 
 def _remove_results(folder: pathlib.Path) -> None:
-    for name in ("checkpoint_0.talus", "checkpoint_1.talus", "history.csv", "surface.csv", "record.json", "report.html"):
+    for name in ("checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "rings.csv", "record.json",
+                 "report.html"):
         (folder / name).unlink(missing_ok=True)
 
 
