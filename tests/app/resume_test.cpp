@@ -244,7 +244,7 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
       {"it is damaged: cut off, or changed", [&] { spoil(newer, whole.size() - 2); }},
       {"it is no checkpoint of talus", [&] { fs::resize_file(newer, 0); }},
       {"it is no checkpoint of talus", [&] { std::ofstream(newer) << "\x89HDF\r\n\x1a\n and so on"; }},
-      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 6", "checkpoint 7"); }},
+      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 7", "checkpoint 8"); }},
       {"of another case:\n  material.sand.phi was 31 deg, is 30 deg",
        [&] { fs::copy_file(in("other/checkpoint_0.h5"), newer, fs::copy_options::overwrite_existing); }},
   };
@@ -313,6 +313,36 @@ TEST_F(Resume, ARunGoesOnBeyondItsEndAsIfItHadNotEnded) {
   const Finished on = run("longer", "--resume --until '0.4 s'");
   EXPECT_EQ(on.code, 0) << on.output;
   EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "longer"), "");
+}
+
+TEST_F(Resume, ARunInSpaceGoesOnWithItsMapAndItsRings) {
+  std::string block = replaced(brief, "plane_strain", "3d");
+  block = replaced(block, R"(["-0.4 m", "0 m"])", R"(["-0.2 m", "-0.2 m", "0 m"])");
+  block = replaced(block, R"(["0.4 m", "0.3 m"])", R"(["0.2 m", "0.2 m", "0.1 m"])");
+  block = replaced(block, R"(["0 m/s2", "-9.81 m/s2"])", R"(["0 m/s2", "0 m/s2", "-9.81 m/s2"])");
+  block = replaced(block, "y_min", "z_min");
+  block = replaced(block, R"({ min = ["-0.1 m", "0 m"], max = ["0.1 m", "0.2 m"] })",
+                   R"({ min = ["-0.04 m", "-0.04 m", "0 m"], max = ["0.04 m", "0.04 m", "0.06 m"] })");
+  const std::string file = write("block.toml", block);
+  const auto run_block = [&](const std::string& out, const std::string& more) {
+    const Finished end = talus("run " + file + " --out " + in(out) + " " + more);
+    EXPECT_EQ(end.code, 0) << end.output;
+  };
+  run_block("unbroken", "--until '60 ms'");
+  run_block("parts", "--until '30 ms'");
+  // Rows later than the checkpoint, as a run that was killed leaves them, go.
+  std::ofstream(folder_ / "parts/surface.csv", std::ios::app) << "0.04,0,0,1,1\n";
+  std::ofstream(folder_ / "parts/rings.csv", std::ios::app) << "0.04,0,1\n";
+  run_block("parts", "--resume --until '60 ms'");
+  EXPECT_EQ(difference(folder_ / "unbroken", folder_ / "parts"), "");
+  const std::string map = contents(in("unbroken/surface.csv")), rings = contents(in("unbroken/rings.csv"));
+  // At the start 4 x 4 patches, 60 mm thick and at rest.
+  EXPECT_TRUE(map.starts_with("time [s],x [m],y [m],thickness [m],speed [m/s]\n0,-0.03,-0.03,0.06,0\n")) << map;
+  EXPECT_TRUE(rings.starts_with("time [s],radius [m],thickness [m]\n0,0.01,0.0")) << rings;
+  EXPECT_TRUE(has(contents(in("unbroken/report.html")), "All instants are in rings.csv."));
+  // A run that overwrites these results begins both files anew.
+  run_block("unbroken", "--overwrite --until '1 ms'");
+  EXPECT_LT(contents(in("unbroken/rings.csv")).size(), rings.size());
 }
 
 TEST_F(Resume, WhereNothingIsYetTheRunBegins) {

@@ -68,6 +68,7 @@ TEST(Units, AreWrittenBackReadably) {
   EXPECT_EQ(with_unit(0.002, "m"), "2 mm");
   EXPECT_EQ(with_unit(2, "m"), "2 m");
   EXPECT_EQ(with_unit(1e5, "Pa"), "100 kPa");
+  EXPECT_EQ(with_unit(2.1e11, "Pa"), "210 GPa");
   EXPECT_EQ(with_unit(20.9 * std::numbers::pi / 180, "rad"), "20.9 deg");
   EXPECT_EQ(with_unit(0.38, "1"), "0.38");
 }

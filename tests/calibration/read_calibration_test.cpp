@@ -228,7 +228,7 @@ TEST_F(CalibrationFile, AllMistakesAreSaidAtOnce) {
 
 TEST_F(CalibrationFile, TablesThatAreWrongAreRefusedWithTheirLine) {
   write("t.csv", replaced(table, "A,1,0.2", "A,1,-"));
-  expect(head + triaxial, "t.csv:4: `epsv_pct` is missing or no number");
+  expect(head + triaxial, "t.csv:4: `epsv_pct` is missing or not a number");
   expect(head + replaced(triaxial, "each", "skip_incomplete_rows = true\neach"), "test `A`: 2 rows of");
 }
 

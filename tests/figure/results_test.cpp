@@ -57,6 +57,17 @@ TEST_F(Results, ASurfaceIsThatOfTheNearestInstant) {
   EXPECT_EQ(read_surface(file, 100).rows, (Rows{{2, 0, 4}}));
 }
 
+TEST_F(Results, TheProfileOfARunInSpaceIsThatOfItsRings) {
+  const auto run_in_space = [](const fs::path& folder, const std::string& text) {
+    const std::string failure = run(folder, text);
+    std::ofstream(folder / "rings.csv") << "time [s],radius [m],thickness [m]\n1,0.5,7\n";
+    return failure;
+  };
+  auto figures = figure_of({{}, {{"2,3", {}}}, false}, 0.9);
+  for (const CurveOfReading& curve : curves_of_cases(figures)) run_cases(curve, folder_, run_in_space);
+  EXPECT_EQ(figures[0].runs[0][0]->rows, (Rows{{1, 0.5, 7}}));
+}
+
 TEST_F(Results, ACurveOfOneRunIsItsHistoryOrItsSurface) {
   auto figures = figure_of({{}, {{"2,3", {}}}, false});
   for (const CurveOfReading& curve : curves_of_cases(figures)) run_cases(curve, folder_, run);

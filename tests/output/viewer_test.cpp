@@ -63,6 +63,23 @@ TEST_F(Viewer, WhatDoesNotFitIsLeftOutInstantsFirstAndThePageSaysSo) {
   EXPECT_NE(fewer_particles["notes"].get<std::string>().find("one particle in"), std::string::npos);
 }
 
+TEST_F(Viewer, ThePageStaysWithinItsBudgetWhereTheInstantsBetweenAreMuchLarger) {
+  // The first, the middle and the last snapshot, from which the size is estimated, have next to nothing to pack.
+  for (int i : {0, 9, 10, 19}) {
+    Observation still = read_snapshot(snapshots_[std::size_t(i)]);
+    for (Field& f : still.fields) std::fill(f.values.begin(), f.values.end(), 1.0);
+    std::filesystem::remove(snapshots_[std::size_t(i)]);
+    write_snapshot(snapshots_[std::size_t(i)], still, {"p"});
+  }
+  const std::size_t scripts = viewer(box_, {snapshots_[0]}).size();  // of the page without data, nearly
+  for (std::size_t budget : {150'000, 60'000, 20'000}) {
+    const std::string page = viewer(box_, snapshots_, budget);
+    EXPECT_LE(page.size(), scripts + budget) << budget;
+    EXPECT_GE(scene(page)["frames"].size(), std::size_t(fewest_instants));
+    EXPECT_NE(scene(page)["notes"].get<std::string>().find("The page shows"), std::string::npos);
+  }
+}
+
 TEST_F(Viewer, AScaleIsToldByItsEndsAndPercentiles) {
   const auto range = scene(viewer(box_, snapshots_))["frames"][0]["values"][0][0]["range"];
   const Observation seen = read_snapshot(snapshots_[0]);

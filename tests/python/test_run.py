@@ -98,6 +98,20 @@ class ARun(InAFolder):
                               env={**os.environ, "PYTHONPATH": str(self.folder / "python")}, check=True).stdout
         self.assertEqual(said, "(200, 3) finished\n0.05 s\nno solver\n")
 
+    def test_in_space_has_a_map_of_the_surface(self):
+        (self.folder / "history.csv").write_text("time [s],front_radius [m],height [m],kinetic_energy [J]\n0,1,1,0\n")
+        (self.folder / "surface.csv").write_text("time [s],x [m],y [m],thickness [m],speed [m/s]\n"
+                                                 "0,1,1,0.5,2\n0,3,1,0.25,4\n0,1,3,0.125,6\n")
+        (self.folder / "rings.csv").write_text("time [s],radius [m],thickness [m]\n0,0.5,0.5\n0,1.5,0\n")
+        run = talus.Run(self.folder)
+        self.assertEqual(run.surface.dims, ("time", "y", "x"))
+        self.assertEqual(float(run.surface.sel(time=0, x=3, y=1)), 0.25)
+        self.assertTrue(np.isnan(run.surface.sel(time=0, x=3, y=3)))
+        self.assertEqual(float(run.surface_speed.sel(time=0, x=1, y=3)), 6)
+        self.assertEqual(run.surface_speed.attrs["units"], "m/s")
+        self.assertEqual(list(run.rings.sel(time=0)), [0.5, 0])
+        self.assertEqual(run.plot().axes[2].get_xlabel(), "radius [m]")
+
     def test_of_nothing_is_an_input_error(self):
         with self.assertRaisesRegex(talus.InputError, "no such folder"):
             talus.open(self.folder / "nothing")

@@ -33,8 +33,11 @@ def plot(runs: Union[Run, Sequence[Run], Mapping[str, Run]]):
         of_fronts.set_ylabel("radius of the deposit [m]" if len(fronts) == 1 else "fronts [m]")
         of_height.plot(time, history["height [m]"], **style)
         of_energy.plot(time, history["kinetic_energy [J]"], **style)
-        if (run.folder / "surface.csv").exists():
-            columns = _read_numbers(run.folder / "surface.csv")
+        profiles = run.folder / "rings.csv"  # a run in 3D
+        if not profiles.exists():
+            profiles = run.folder / "surface.csv"
+        if profiles.exists():
+            columns = _read_numbers(profiles)
             at, place, thickness = columns.values()
             if len(at):
                 last = at == at[-1]

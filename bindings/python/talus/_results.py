@@ -251,6 +251,25 @@ class Rasters(Mapping):
         return len(self._files)
 
 
+def _surface(file: pathlib.Path, quantity: str):
+    """A quantity of surface.csv or rings.csv, such as "thickness", by time and place."""
+    columns = _read_numbers(file)
+    units = dict(map(_name_and_unit, columns))
+    if quantity not in units:
+        raise ValueError(f"{file} has no {quantity}; only runs in 3D have")
+    if not _has("xarray"):
+        return _as_table(columns)
+    import xarray
+
+    numbers = dict(zip(units, columns.values()))
+    dims = [name for name in ("time", "y", "x", "radius") if name in units]
+    places, rows = zip(*(np.unique(numbers[name], return_inverse=True) for name in dims))
+    values = np.full([len(p) for p in places], np.nan)
+    values[rows] = numbers[quantity]
+    return xarray.DataArray(values, dims=dims, name=quantity, attrs={"units": units[quantity]},
+                            coords={n: (n, p, {"units": units[n]}) for n, p in zip(dims, places)})
+
+
 class Run:
     """The results of a run in its folder, as `talus run` writes them. Files are read when they are asked for, so a run that
     goes on can be looked at."""
@@ -314,21 +333,20 @@ class Run:
     @property
     def surface(self):
         """Thickness of the material above the ground at the times of the snapshots [m]: xarray.DataArray with the
-        coordinates `time` [s] and `x` or `radius` [m] where xarray is installed, NaN where there is no material; else the
-        table surface.csv."""
-        columns = _read_numbers(self.folder / "surface.csv")
-        if not _has("xarray"):
-            return _as_table(columns)
-        import xarray
+        coordinates `time` [s] and `x` or `radius` [m], in 3D `time`, `y` and `x`, where xarray is installed, NaN where there is
+        no material; else the table surface.csv."""
+        return _surface(self.folder / "surface.csv", "thickness")
 
-        time, place, thickness = columns.values()
-        name = _name_and_unit(list(columns)[1])[0]
-        times, rows = np.unique(time, return_inverse=True)
-        places, at = np.unique(place, return_inverse=True)
-        values = np.full((len(times), len(places)), np.nan)
-        values[rows, at] = thickness
-        return xarray.DataArray(values, dims=("time", name), name="thickness", attrs={"units": "m"},
-                                coords={"time": ("time", times, {"units": "s"}), name: (name, places, {"units": "m"})})
+    @property
+    def surface_speed(self):
+        """Mean speed of the material on each patch of ground, weighted with mass, of a run in 3D [m/s]; as `surface`."""
+        return _surface(self.folder / "surface.csv", "speed")
+
+    @property
+    def rings(self):
+        """Thickness of the material in rings about the axis, of a run in 3D [m]; as `surface`, with the coordinates `time` and
+        `radius`. Without xarray the table rings.csv."""
+        return _surface(self.folder / "rings.csv", "thickness")
 
     @property
     def snapshots(self) -> Snapshots:

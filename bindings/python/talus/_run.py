@@ -1,4 +1,4 @@
-"""Runs and sweeps by the program `talus`, in processes of their own: their results have the bits of the command line, Python
+"""Runs and sweeps by the program `talus`, in separate processes: results are bit-identical to those of the command line, Python
 stays responsive, and Ctrl-C stops them with a checkpoint."""
 
 from __future__ import annotations
@@ -89,7 +89,7 @@ def run(case: Union[Case, StrPath], out: Optional[StrPath] = None, *, threads: i
         run = talus.run("cases/slump_2d.toml", out="out/a", progress=True)
 
     `out` is the folder of the results, by default out/NAME. `until` is a time with unit, such as "0.1 s". `overwrite` replaces
-    results that are there; `resume` continues from their last checkpoint, to the same bits. `progress` shows the messages of
+    existing results; `resume` continues from their last checkpoint, with bit-identical results. `progress` shows the messages of
     the program. `threads` is by default the number of processors.
 
     Raises InputError with all complaints about the case; RunError if the run fails; KeyboardInterrupt after Ctrl-C, when the
@@ -122,7 +122,8 @@ def _value_of_set(value: Any) -> str:
 
 
 def _remove_results(folder: pathlib.Path) -> None:
-    for name in ("checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "record.json", "report.html"):
+    for name in ("checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "rings.csv", "record.json",
+                 "report.html"):
         (folder / name).unlink(missing_ok=True)
 
 

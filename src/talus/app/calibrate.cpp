@@ -26,7 +26,7 @@ fs::path folder_of(const CalibrateOptions& options) {
   return options.out.empty() ? fs::path("out") / fs::path(options.data_file).stem() : fs::path(options.out);
 }
 
-/// Throws InputError if the folder holds results that nobody allowed to replace.
+/// Throws InputError if the folder holds results and --overwrite is not given.
 void expect_room(const fs::path& folder, const CalibrateOptions& options) {
   if (options.overwrite || options.resume) return;
   if (fs::exists(folder / "state.json"))
@@ -78,7 +78,8 @@ int calibrate_law(const CalibrateOptions& options) {
   const std::optional<CalibrationResult> result = calibrate(calibration, *loop, state, observer);
   if (live) fmt::print(stderr, "\r\033[K");
   if (!result) {
-    fmt::print(stderr, "stopped; to go on: talus calibrate {} --out {} --resume\n", options.data_file, folder.string());
+    fmt::print(stderr, "stopped; to resume: talus calibrate {} --out {} --resume\n", options.data_file,
+               folder.string());
     return exit_signal + interrupt.signal();
   }
   const bool drawn = write_report(folder, calibration, *result);

@@ -52,7 +52,7 @@ Message load_of(const Simulation& simulation, const Transport& transport) {
 }
 constexpr std::size_t bytes_in_load = 5;
 
-/// What all processes do to begin: each reads the case, and they go on only if all could.
+/// Start of all processes: each reads the case; an error of one stops all.
 std::unique_ptr<Simulation> make_part(Transport& transport, const Case* case_of_first, const std::string& file,
                                       const std::string& text, Backend& backend) {
   std::optional<CaseFile> own;

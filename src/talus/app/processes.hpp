@@ -1,8 +1,8 @@
 #pragma once
 /// Runs that several processes share.
 ///
-/// Process 0 is the program as its user knows it: it reads, decides, prints and writes. The others follow: whatever
-/// process 0 asks of a simulation, they do with their part of it.
+/// Process 0 reads the input, controls the run, prints and writes. The other processes execute the same calls of the
+/// simulation on their part of it.
 
 #include <memory>
 #include <string>
@@ -22,7 +22,7 @@ class Processes {
   /// Meets the other processes, if a launcher has started several. Throws InputError, in process 0 only, if they cannot
   /// meet; the others then end.
   void connect(int* argc, char*** argv);
-  /// What all processes but the first do, until it disconnects. Returns the exit code.
+  /// Main loop of all processes but the first, until the first disconnects. Returns the exit code.
   int follow();
   /// The last call of the first.
   void disconnect();
@@ -34,11 +34,11 @@ class Processes {
   std::unique_ptr<Simulation> make_simulation(const Case& case_, const std::string& case_file,
                                               const std::string& case_text, Backend& backend);
 
-  /// What the processes have in common to say when one of them is killed.
+  /// Command that the processes print when one of them is killed.
   void set_command_to_resume(const std::string& command);
   /// The start of a command that starts as many processes: "mpirun -n 4 "; empty for one.
   std::string launcher() const;
-  /// What each process holds and has sent; `simulation` is one of `make_simulation`.
+  /// Share of each process and its messages; `simulation` is one of `make_simulation`.
   struct Load {
     Share share;
     Traffic traffic;

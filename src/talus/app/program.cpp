@@ -21,7 +21,7 @@
 
 namespace {
 
-/// What the user typed instead of a subcommand, and what may have been meant.
+/// Word in the place of a subcommand, and the most similar subcommand.
 int unknown_command(const CLI::App& app, const std::string& word) {
   std::vector<std::string_view> names;
   for (const CLI::App* sub : app.get_subcommands([](const CLI::App*) { return true; }))

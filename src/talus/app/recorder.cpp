@@ -32,12 +32,12 @@ Checkpoints checkpoints_of(const Task& task, const RunSoFar& so_far, const Simul
 }  // namespace
 
 Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outlines, const Simulation& simulation)
-    : outlines_(outlines),
+    : case_(task.input.case_),
+      outlines_(outlines),
       so_far_(std::move(so_far)),
       checkpoints_(checkpoints_of(task, so_far_, simulation)),
       history_(task.folder / "history.csv", task.input.case_, so_far_.history_bytes),
-      surfaces_(task.folder / "surface.csv", task.input.case_.dim, task.input.case_.axisymmetric,
-                so_far_.surface_bytes),
+      profiles_(task.folder, task.input.case_, so_far_.profile_bytes),
       snapshots_(task.folder, *task.input.case_.output.fields, so_far_.snapshots),
       pictures_(task.folder / "pictures", task.input.case_, so_far_.instants),
       noise_(task.input.case_, so_far_.pressure_noise),
@@ -54,6 +54,7 @@ Recorder::Recorder(const Task& task, RunSoFar so_far, const OutlineFinder& outli
   std::sort(picture_times_.begin(), picture_times_.end());
   std::erase_if(picture_times_, [&](double t) { return !so_far_.instants.empty() && t <= so_far_.instants.back(); });
   checkpoint_times_.due(simulation.ledger().time);
+  if (case_.dim == 3) surface_map_.emplace(task.folder, so_far_.surface_map_bytes);
 }
 
 bool Recorder::picture_is_due(double time) {
@@ -78,8 +79,10 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   const bool picture = picture_is_due(t);
   const bool snapshot = so_far_.next_snapshot.due(t) || (is_end && so_far_.next_snapshot.last != t);
   const bool row = so_far_.next_row.due(t) || (is_end && so_far_.next_row.last != t);
-  if (map || frame || (row && gauges_.any())) {
+  const bool surface_map = snapshot && surface_map_;
+  if (map || frame || surface_map || (row && gauges_.any())) {
     const FlowPoints flow = simulation.flow();
+    if (surface_map) surface_map_->add(t, talus::surface_map(case_, flow));
     if (map) maps_.add(t, flow);
     if (frame) maps_.add_frame(t, flow);
     if (map || row) gauges_.add(t, flow, row);
@@ -87,7 +90,7 @@ void Recorder::record(Simulation& simulation, bool is_end) {
   if (row || snapshot) {
     const Outline outline = outlines_.find(simulation.places());
     if (row) history_.add(simulation.ledger(), outline, forces_.row());
-    if (snapshot) surfaces_.add(t, outline.surface);
+    if (snapshot) profiles_.add(t, outline.surface);
   }
   if (!snapshot && !picture) return;
   Observation seen = simulation.observe();
@@ -108,9 +111,11 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   so_far_.wall_seconds = clock_.wall_seconds();
   so_far_.cpu_seconds = clock_.cpu_seconds();
   so_far_.history_bytes = history_.bytes();
-  so_far_.surface_bytes = surfaces_.bytes();
+  so_far_.profile_bytes = profiles_.bytes();
+  if (surface_map_) so_far_.surface_map_bytes = surface_map_->bytes();
   put_on_disk(history_.file());
-  put_on_disk(surfaces_.file());
+  put_on_disk(profiles_.file());
+  if (surface_map_) put_on_disk(surface_map_->file());
   so_far_.gauge_bytes = gauges_.bytes();
   so_far_.gauges = gauges_.state();
   if (gauges_.table()) put_on_disk(gauges_.table()->file());

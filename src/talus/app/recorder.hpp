@@ -1,7 +1,8 @@
 #pragma once
-/// What a run writes while it goes on.
+/// Output of a run: histories, snapshots, pictures, checkpoints.
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ class RunClock {
   double wall_before_, cpu_before_;
 };
 
-/// Writes rows of history.csv and surface.csv, snapshots, instants of pictures and checkpoints, each when it is due.
+/// Writes rows of history.csv, surface.csv and rings.csv, snapshots, instants of pictures and checkpoints, each when it is due.
 class Recorder {
  public:
   /// Starts the files of a new run, with a first checkpoint; or continues those of the run that the task resumes.
@@ -57,8 +58,8 @@ class Recorder {
   const SurfaceForces& forces() const { return forces_; }
   TerrainMaps& maps() { return maps_; }
   const Gauges& gauges() const { return gauges_; }
-  /// Whether kinetic energy has been below the share of its peak at which the run is over, for as long as things take to
-  /// fall by the height of the bodies: ground that settles bounces before it flows.
+  /// Whether kinetic energy has been below `stop_below` of its peak for the time in which a body falls by the height of the
+  /// bodies. The wait is needed because ground that settles bounces before it flows.
   bool has_come_to_rest(const Simulation& simulation) const;
   SnapshotSeries& snapshots() { return snapshots_; }
 
@@ -66,11 +67,13 @@ class Recorder {
   /// Whether an instant of a picture has been reached; removes it from those to come.
   bool picture_is_due(double time);
 
+  const Case& case_;
   const OutlineFinder& outlines_;
   RunSoFar so_far_;
   Checkpoints checkpoints_;
   History history_;
-  SurfaceTable surfaces_;
+  ProfileTable profiles_;
+  std::optional<SurfaceMapTable> surface_map_;  ///< in 3D
   SnapshotSeries snapshots_;
   PictureBook pictures_;
   PressureNoise noise_;

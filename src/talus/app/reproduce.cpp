@@ -29,7 +29,7 @@ void run_or_stop(const RunOptions& options) {
   if (const int code = run_case(options); code != 0) throw Stopped{code};
 }
 
-/// Runs a case in a folder. Results of the same case that stand there are kept if they are complete, else resumed; those of
+/// Runs a case in a folder. Results of the same case that are there are kept if they are complete, else resumed; those of
 /// another case are overwritten. Returns the reason if the run failed.
 std::string run_in(const fs::path& folder, const std::string& case_text, int threads) {
   if (is_finished(folder, case_text)) return "";

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A word as a shell reads it.
+/// A word, quoted for a shell where necessary.
 std::string quoted(const std::string& word) {
   constexpr std::string_view plain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./";
   if (word.find_first_not_of(plain) == word.npos) return word;
@@ -72,7 +72,7 @@ std::string reason_not_to_write(const fs::path& folder, const Task& task, const 
   return "";
 }
 
-/// Throws InputError unless the folder that stands for the case holds a run to resume.
+/// Throws InputError unless the folder, given instead of a case, holds a run to resume.
 void expect_run_in_folder(const RunOptions& options) {
   if (!options.resume)
     throw InputError(fmt::format("{} is a folder; to resume the run there: {}", options.case_file,
@@ -82,8 +82,8 @@ void expect_run_in_folder(const RunOptions& options) {
     throw InputError(fmt::format("{} holds no run: there is no case.toml", options.case_file));
 }
 
-/// Locks the folder and reads the newest checkpoint in it, if there are results. From then on the case is that of the run,
-/// to the letter; only the instants of checkpoints may have changed.
+/// Locks the folder and reads the newest checkpoint in it, if there are results. The case is then exactly that of the run;
+/// only the instants of checkpoints may have changed.
 void read_saved_run(Task& task) {
   task.lock = std::make_unique<FolderLock>(task.folder);
   task.saved = newest_checkpoint(task.folder, task.input.understood,
@@ -149,8 +149,8 @@ void claim_folder(Task& task, const RunOptions& options) {
   if (const std::string why = reason_not_to_write(task.folder, task, options); !why.empty() && !options.overwrite)
     throw InputError(why);
   // Results of an earlier run must not be mistaken for those of this one.
-  for (const char* name : {"checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "failure.hdf",
-                           "record.json", "report.html"})
+  for (const char* name : {"checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "rings.csv",
+                           "failure.hdf", "record.json", "report.html"})
     fs::remove(task.folder / name);
   fs::remove_all(task.folder / "failure");
   write_whole(task.folder / "case.toml", task.case_text);

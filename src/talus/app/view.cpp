@@ -20,7 +20,7 @@ bool has_display() {
   return false;
 }
 
-/// Opens a file with the program that the desktop has for it. False if there is none.
+/// Opens a file with the default program of the desktop. False if there is none.
 bool open_on_desktop(std::string file) {
   std::string program = "xdg-open";
   char* arguments[] = {program.data(), file.data(), nullptr};

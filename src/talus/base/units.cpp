@@ -121,6 +121,7 @@ std::string with_unit(double value, std::string_view unit) {
   if (unit == "1" || unit == unit_of_strain) return fmt::format("{:.10g}", value);
   if (unit == "rad") return fmt::format("{:.10g} deg", value * 180 / std::numbers::pi);
   if (unit == "m" && value != 0 && std::abs(value) < 1) return fmt::format("{:.10g} mm", value * 1e3);
+  if (unit == "Pa" && std::abs(value) >= 1e9) return fmt::format("{:.10g} GPa", value / 1e9);
   if (unit == "Pa" && std::abs(value) >= 1e3) return fmt::format("{:.10g} kPa", value / 1e3);
   if (unit == "s" && value != 0 && std::abs(value) < 1) return fmt::format("{:.10g} ms", value * 1e3);
   return fmt::format("{:.10g} {}", value, unit);

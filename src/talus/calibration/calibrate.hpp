@@ -17,7 +17,7 @@ struct FinishedStart {
   int evaluations = 0;
 };
 
-/// All that decides how a calibration goes on; written to a file after each iteration.
+/// State of a calibration from which it can be resumed; written to a file after each iteration.
 struct CalibrationState {
   std::uint64_t fingerprint = 0;
   std::vector<Vector> starts;  ///< empty: not drawn yet
@@ -76,7 +76,8 @@ struct Price {
 };
 Price price_of(const Calibration& calibration);
 
-/// Goes on from a state. No result if the observer stops it; the state that was saved last then goes on by the same numbers.
+/// Resumes from a state. No result if the observer stops it; a resume from the state that was saved last gives the same
+/// numbers.
 std::optional<CalibrationResult> calibrate(const Calibration& calibration, Backend& loop, CalibrationState& state,
                                            const CalibrationObserver& observer);
 

@@ -193,7 +193,7 @@ void search(Residuals& residuals, const std::vector<int>& parameters, const RowM
   const CalibrationSettings& settings = residuals.calibration().settings;
   constexpr double least_damping = 1e-7, most_damping = 1e6;
   Evaluation here = residuals.at(state.x);
-  // A search that goes on has computed this point before.
+  // A resumed search has computed this point before.
   const long evaluations_before = residuals.n_evaluations() - std::max(1, state.evaluations);
   double sum = sum_of_squares(here, mask);
   while (!state.finished) {

@@ -54,7 +54,7 @@ double sum_of_squares(const Evaluation& e, const RowMask& mask);
 /// The objective: sum of weight misfit^2 over the sum of weights.
 double objective(const Calibration& calibration, double sum_of_squares);
 
-/// Where a search stands between two iterations; all that decides how it goes on.
+/// State of a search between two iterations, from which it can be resumed.
 struct SearchState {
   Vector x;
   double damping = 1e-2;

@@ -177,7 +177,7 @@ std::string parameters_table(const Calibration& c, const CalibrationResult& r) {
     const ParameterEstimate& e = r.statistics.parameters[i];
     const std::string remark = e.at_min || e.at_max ? fmt::format("at the {} bound", e.at_min ? "lower" : "upper")
                                : !e.informed        ? "no test depends on it"
-                               : e.weak             ? "hardly determined"
+                               : e.weak             ? "poorly determined"
                                                     : "";
     out += fmt::format(
         "<tr><td><b>{}</b></td><td>{}</td><td class=\"n\">{}</td><td class=\"n\"><b>{}</b></td><td class=\"n\">{}</td>"
@@ -327,9 +327,9 @@ std::string tables_section(const Calibration& c, const CalibrationResult& r) {
          "ln(computed/measured).</p>\n" +
          misfit_tables(c, r) +
          "<h2>Correlation</h2>\n<p>Correlation of the parameters from the derivatives of all predictions. Two "
-         "parameters above 0.95 can hardly be told apart by these tests.</p>\n" +
+         "parameters with a correlation above 0.95 cannot be distinguished by these tests.</p>\n" +
          correlation_table(c, r) +
-         "<h2>What each test informs</h2>\n<p>Share of each test in what all tests say about a parameter, the others "
+         "<h2>Information from each test</h2>\n<p>Share of each test in the information on a parameter, the others "
          "held (diagonal of J<sup>T</sup>J).</p>\n<details" +
          std::string(c.tests.size() <= 12 ? " open" : "") + "><summary>Table</summary>" + information_table(c, r) +
          "</details>\n";

@@ -256,7 +256,7 @@ std::optional<Sheared> shear_under_normal_stress(const MeasuredTest& test, const
     f_b = excess(b);
   }
   if (!(f_a * f_b <= 0)) {
-    prediction.failure = fmt::format("no void ratio carries a normal stress of {:.4g} Pa at a shear rate of {:.4g} 1/s",
+    prediction.failure = fmt::format("no void ratio gives a normal stress of {:.4g} Pa at a shear rate of {:.4g} 1/s",
                                      state.normal_stress, state.shear_rate);
     return std::nullopt;
   }

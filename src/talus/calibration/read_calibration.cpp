@@ -80,8 +80,9 @@ const Declaration& stages_declaration() {
   return d;
 }
 
-constexpr Choice orders[] = {{"together", "all free parameters at once"},
-                             {"stages", "stage by stage as the field does it, then all at once"}};
+constexpr Choice orders[] = {
+    {"together", "all free parameters at once"},
+    {"stages", "stage by stage, in the usual order of a calibration by hand, then all at once"}};
 constexpr Option order_key{"order", "in which order parameters are found", orders};
 constexpr WholeNumber starts_key{{"starts", "1", Range::between(1, 1000), "number of starts of the search"}},
     seed_key{{"seed", "1", Range::between(0, 1000000000), "seed of the starts that are drawn"}},

@@ -87,7 +87,7 @@ const Declaration& scales_declaration() {
 constexpr Text name_key{"name", "name of the test; with `each` the beginning of the names"},
     group_key{"group", "tests of one group are left out together; by default each test is a group"},
     file_key{"file", "CSV file of the measurements"}, where_key{"where", "column that selects rows"},
-    is_key{"is", "what that column must read"},
+    is_key{"is", "value that this column must have"},
     only_key{"only", "formula of columns that rows must fulfil: rate <= 0.01"},
     each_key{"each", "column that separates tests: one test for every value in it"};
 constexpr Option kind_key{"kind", "kind of the test", test_kind_choices};
@@ -257,7 +257,7 @@ MeasuredColumns columns_of(const Request& request, const MeasuredTable& table) {
       if (std::isfinite(values[i])) continue;
       if (!request.skip_incomplete)
         throw std::runtime_error(
-            fmt::format("{}:{}: `{}` is missing or no number; mend the row, or write skip_incomplete_rows = true",
+            fmt::format("{}:{}: `{}` is missing or not a number; correct the row, or write skip_incomplete_rows = true",
                         table.path, table.lines[i], asked.formula));
       keep[i] = 0;
     }

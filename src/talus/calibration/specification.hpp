@@ -33,7 +33,7 @@ inline constexpr Choice test_kind_choices[] = {
     {"grain_shear", "steady simple shear at given rates: each row of the table is a state of its own"},
 };
 
-/// The quantity that leads a test; of grain shear, the rate that tells its states apart.
+/// The quantity that leads a test; in grain shear the rate, which distinguishes the states.
 constexpr std::string_view leading_quantity(TestKind kind) {
   switch (kind) {
     case TestKind::triaxial: return "axial_strain";

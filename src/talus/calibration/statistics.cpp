@@ -217,8 +217,8 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
                                 ? fmt::format("their correlation is {:.2f}", s.correlation(group[0], group[1]))
                                 : fmt::format("correlations up to {:.3f}", most);
     all.push_back(
-        fmt::format("{} are not identifiable one by one from these tests: {}. A change of one can be made up for by "
-                    "the others. Fix one of them from another source, or use the {} together only.",
+        fmt::format("{} are not identifiable one by one from these tests: {}. The others can compensate a change of "
+                    "one. Fix one of them from another source, or use the {} together only.",
                     list_of(calibration, group), how, group.size() == 2 ? "two" : "set"));
   }
   for (std::size_t i = 0; i < s.interior.size(); ++i)
@@ -226,22 +226,22 @@ std::vector<std::string> findings_of(const Calibration& calibration, const Stati
       const int a = s.interior[j], b = s.interior[i];
       const double rho = s.correlation(a, b);
       if (std::abs(rho) < closely_correlated || std::abs(rho) > too_correlated) continue;
-      all.push_back(
-          fmt::format("{} and {} are closely correlated ({:.2f}): an error of one is made up for by the other in these "
-                      "tests; change them together only.",
-                      calibration.free[std::size_t(a)].key, calibration.free[std::size_t(b)].key, rho));
+      all.push_back(fmt::format(
+          "{} and {} are closely correlated ({:.2f}): in these tests, one compensates an error of the other; "
+          "change them together only.",
+          calibration.free[std::size_t(a)].key, calibration.free[std::size_t(b)].key, rho));
     }
   for (std::size_t p = 0; p < s.parameters.size(); ++p)
     if (s.parameters[p].weak) {
       const FreeParameter& free = calibration.free[p];
       all.push_back(fmt::format(
-          "{} is hardly determined: two standard errors reach over more than half of its bounds ({} to {}).", free.key,
-          rounded_with_unit(free.min, free.unit, 4), rounded_with_unit(free.max, free.unit, 4)));
+          "{} is poorly determined: two standard errors exceed half of the range between its bounds ({} to {}).",
+          free.key, rounded_with_unit(free.min, free.unit, 4), rounded_with_unit(free.max, free.unit, 4)));
     }
   if (s.independent_data < 3 * double(s.interior.size()))
-    all.push_back(
-        fmt::format("The tests hold some {:.0f} independent numbers for {} parameters: standard errors are rough.",
-                    s.independent_data, s.interior.size()));
+    all.push_back(fmt::format(
+        "The tests contain about {:.0f} independent values for {} parameters: the standard errors are rough estimates.",
+        s.independent_data, s.interior.size()));
   return all;
 }
 

@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// Correlation above which two parameters cannot be told apart.
+/// Correlation above which two parameters cannot be distinguished.
 inline constexpr double too_correlated = 0.95;
 /// Correlation above which two parameters are said to be close.
 inline constexpr double closely_correlated = 0.9;
@@ -42,7 +42,7 @@ Statistics statistics_at(const Calibration& calibration, const Vector& x, const 
 /// Rows per independent row of a series about 0: 1 + 2 sum of autocorrelations up to the first below 0.05.
 double correlation_time(const Vector& series);
 
-/// Sentences about bounds, parameters that are not determined and groups that cannot be told apart.
+/// Sentences about bounds, parameters that are not determined and groups that cannot be distinguished.
 std::vector<std::string> findings_of(const Calibration& calibration, const Statistics& statistics);
 
 // ---- prediction without each test --------------------------------------------------------------------------------------
@@ -65,7 +65,7 @@ Vector jackknife_errors(const std::vector<LeftOut>& left_out);
 
 /// A test that would determine parameters better, and by what factor their standard errors would fall.
 struct Suggestion {
-  std::vector<int> parameters;  ///< a group that cannot be told apart, or a single weak parameter
+  std::vector<int> parameters;  ///< a group that cannot be distinguished, or a single weak parameter
   std::string test;             ///< in words
   double factor = 1;            ///< the largest standard error of the group, with over without the test
 };

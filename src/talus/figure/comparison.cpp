@@ -14,6 +14,7 @@
 #include "talus/base/machine.hpp"
 #include "talus/figure/panel.hpp"
 #include "talus/figure/results.hpp"
+#include "talus/output/history.hpp"
 #include "talus/output/page.hpp"
 
 namespace talus {
@@ -86,7 +87,7 @@ std::string cell_with(double x) {
   return std::isfinite(x) ? fmt::format("<td class=\"n\">{:.6g}</td>", x) : "<td class=\"n\">&ndash;</td>";
 }
 
-/// A value of a record by its path, as text; a dash if it is not there.
+/// A value of record.json by its path, as text; a dash if it is absent.
 std::string told(const Json& record, const char* path) {
   const Json::json_pointer pointer(path);
   if (!record.is_object() || !record.contains(pointer)) return "&ndash;";
@@ -214,8 +215,8 @@ ComparedRun read_run(const fs::path& folder, const std::string& name) {
   ComparedRun run{name, folder, nullptr, read_results(folder / "history.csv"), {}};
   if (run.history.rows.empty()) throw InputError(fmt::format("{}/history.csv has no rows yet", folder.string()));
   if (fs::exists(folder / "record.json")) run.record = Json::parse(contents_of(folder / "record.json"), nullptr, false);
-  if (fs::exists(folder / "surface.csv"))
-    if (run.last_surface = read_results(folder / "surface.csv"); !run.last_surface.rows.empty()) {
+  if (const fs::path profiles = profile_file(folder); fs::exists(profiles))
+    if (run.last_surface = read_results(profiles); !run.last_surface.rows.empty()) {
       const double last = run.last_surface.rows.back()[0];
       std::erase_if(run.last_surface.rows, [&](const auto& row) { return row[0] != last; });
     }

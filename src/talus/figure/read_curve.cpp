@@ -21,7 +21,7 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
   Section s = curve.section("measured", "rows of a table of measurements");
   const std::string file = s.text("file", "CSV file");
   const std::string where = s.text("where", "column that chooses rows", "");
-  const std::string is = s.text("is", "what that column must read", "");
+  const std::string is = s.text("is", "value that this column must have", "");
   label = s.text("label", "name of the points in the legend", label);
   s.close("measurements");
   if (file.empty()) return std::nullopt;

@@ -10,6 +10,7 @@
 #include "talus/element/driver.hpp"
 #include "talus/figure/folders.hpp"
 #include "talus/figure/read_figure.hpp"
+#include "talus/output/history.hpp"
 #include "talus/output/record.hpp"
 
 namespace talus {
@@ -41,7 +42,7 @@ ResultTable empty_sweep(const ResultTable& history, const std::vector<std::strin
   return table;
 }
 
-/// Adds what the maps of a run on terrain say, the same in every row.
+/// Adds the numbers of the maps of a run on terrain, the same in every row.
 void add_map_numbers(const fs::path& folder, ResultTable& results) {
   for (const auto& [name, number] : map_numbers(folder)) {
     results.names.push_back(name);
@@ -93,8 +94,8 @@ void run_cases(const CurveOfReading& which, const fs::path& figures_folder, cons
   for (std::size_t k = 0; k < runs.runs.size(); ++k) {
     const fs::path folder = figures_folder / figure->spec.name / run_folder(figure->spec, reading, curve, k);
     const std::string failure = run(folder, runs.runs[k].text);
-    ResultTable one = curve.surface_at ? read_surface(folder / "surface.csv", *curve.surface_at)
-                                       : read_results(folder / "history.csv");
+    ResultTable one =
+        curve.surface_at ? read_surface(profile_file(folder), *curve.surface_at) : read_results(folder / "history.csv");
     if (!curve.surface_at) add_map_numbers(folder, one);
     one.failure = failure;
     if (!runs.is_sweep) {

@@ -40,10 +40,10 @@ using RunCase = std::function<std::string(const std::filesystem::path& folder, c
 /// surface of a single run, or a row for each run of a sweep: its end and its values in the sweep's columns.
 void run_cases(const CurveOfReading& curve, const std::filesystem::path& figures_folder, const RunCase& run);
 
-/// Reads history.csv or surface.csv of a run; units become those of the columns.
+/// Reads history.csv, surface.csv or rings.csv of a run; units become those of the columns.
 ResultTable read_results(const std::filesystem::path& file);
 
-/// Reads the surface of the material at one instant from surface.csv: of all instants in it the nearest to `time` [s].
+/// Reads the profile of the surface at one instant from surface.csv, or rings.csv of a run in 3D: of all instants in it the nearest to `time` [s].
 ResultTable read_surface(const std::filesystem::path& file, double time);
 
 }  // namespace talus

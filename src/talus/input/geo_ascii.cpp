@@ -88,7 +88,7 @@ class Header {
     raster.corner = {lower_left("xll", raster.pixel), lower_left("yll", raster.pixel)};
     return raster;
   }
-  /// What stands for no number. -9999 is the format's default.
+  /// The no-data value. -9999 is the format's default.
   double no_data() const { return values_.count("nodata") ? values_.at("nodata") : -9999; }
 
  private:

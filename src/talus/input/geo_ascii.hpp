@@ -7,7 +7,7 @@
 
 namespace talus {
 
-/// Whether a value is the one that stands for no data.
+/// Whether a value is the no-data value.
 bool is_no_data(double value, double no_data);
 
 /// Whether a file begins like an ESRI ASCII raster.
@@ -15,7 +15,7 @@ bool looks_like_ascii_raster(const std::string& path);
 
 /// Reads one, values as they stand. GDAL reads such files too, but takes words for zero, fills a missing last value
 /// with zero, drops surplus values, knows `nodata_value` by that name alone, and puts a raster with `xllcorner` and
-/// `yllcenter` to the origin; here all of that is refused or understood.
+/// `yllcenter` to the origin; here all of that is read or refused.
 PlanRaster read_ascii_raster(const std::string& path);
 
 }  // namespace talus

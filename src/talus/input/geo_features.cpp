@@ -208,7 +208,7 @@ std::vector<Vec<2>> points_of(const OGRGeometry* geometry, const std::string& fe
 std::string projection_in(GDALDataset& data, OGRLayer& layer, const std::string& path, const Vec<2>& place) {
   OGRSpatialReference projection;
   if (const OGRSpatialReference* stated = layer.GetSpatialRef()) projection = *stated;
-  // GDAL goes on without a .prj that it does not understand.
+  // GDAL ignores a .prj that it cannot read.
   if (projection.IsEmpty() && EQUAL(data.GetDriverName(), "ESRI Shapefile")) projection = projection_beside(path);
   expect_metres(projection, path, "ogr2ogr", place);
   return wkt_of(projection);

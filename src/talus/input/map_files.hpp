@@ -25,7 +25,7 @@ void complain_where_it_throws(Section& s, std::string_view key, F f) {
 
 std::string path_in(const std::string& folder, const std::string& file);
 
-/// Metres in the unit that a key names; complains if it is none of length.
+/// Metres per unit of the key; an error if the unit is not one of length.
 double metres_of(Section& s, const Text& unit);
 
 /// The polygons of a file, with the numbers of an attribute unless its name is empty. Complains if they are in another

@@ -23,7 +23,7 @@ namespace {
 
 constexpr const char* how_to_make_smaller = "let the program that wrote it use larger triangles";
 
-/// Collects what Assimp complains of while this lives. It goes on where it should not: a file that ends too early is a
+/// Collects the errors that Assimp logs while this object exists. Assimp continues after them: a file that ends too early is a
 /// warning.
 class ComplaintsOfAssimp {
  public:
@@ -53,7 +53,7 @@ class ComplaintsOfAssimp {
   std::string first_;
 };
 
-/// The shortest decimal number that a float stands for.
+/// The shortest decimal number that rounds to a float.
 double shortest_decimal(float x) {
   std::array<char, 64> text{};
   const auto end = std::to_chars(text.data(), text.data() + text.size(), x).ptr;

@@ -12,7 +12,7 @@
 
 namespace talus {
 
-/// One setting as it was understood.
+/// One setting with the value that talus uses.
 struct Understood {
   std::string path;   ///< "material.glass.d"
   std::string value;  ///< with unit

@@ -132,7 +132,7 @@ const Declaration& element_test_declaration() {
   return d;
 }
 
-/// The loading path, before the rest: it decides on a default of the law. What was understood of it comes last, as in files.
+/// The loading path, before the rest: it decides on a default of the law. Its settings are listed last, as in files.
 std::vector<Segment> read_path(Document& document, Section& root, const std::string& folder, auto read_rest) {
   std::vector<Segment> path;
   const auto n_before = std::ptrdiff_t(document.understood().size());

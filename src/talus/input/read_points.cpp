@@ -17,7 +17,7 @@ namespace {
 
 constexpr Text file_of_points{"file", "CSV file with columns x, y, in 3D z [m], and optionally volume [m3]"};
 
-/// The columns of coordinates and, last, of the volume; -1 where there is none. Throws if the columns are others.
+/// The columns of coordinates and, last, of the volume; -1 where there is none. Throws if there are other columns.
 std::vector<int> columns_of(const NumberTable& table, const std::string& path, int dim) {
   std::vector<std::string_view> known(axis_names, axis_names + dim);
   known.push_back("volume");

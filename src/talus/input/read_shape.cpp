@@ -34,7 +34,7 @@ Cylinder read_cylinder(Section& s, int dim) {
   return cylinder;
 }
 
-/// A polygon, or an empty box in the place of one that is none.
+/// A polygon; an empty box if the input is not valid.
 Region read_polygon(Section& s, int dim) {
   Section p = s.section(keys::polygon);
   Polygon polygon{{}, 0, 0};

@@ -1,5 +1,5 @@
 #pragma once
-/// Reads a TOML document section by section, collects every complaint, and keeps a list of all that was understood.
+/// Reads a TOML document section by section, collects all errors, and keeps a list of all settings.
 
 #include <toml++/toml.h>
 
@@ -21,7 +21,7 @@
 
 namespace talus {
 
-/// The document, its complaints and what was understood so far.
+/// The document, its errors, and the settings read so far.
 class Document {
  public:
   /// Parses a file. One that is no TOML, cannot be read, or is larger or nests deeper than any input does, is an
@@ -52,8 +52,8 @@ class Document {
   std::vector<Understood> understood_;
 };
 
-/// A table of the document. Every read marks its key; `close` refuses the keys nobody read.
-/// A read that fails complains and returns a harmless value, so that reading goes on and finds the next mistake.
+/// A table of the document. Every read marks its key; `close` refuses keys that were not read.
+/// A read that fails complains and returns a harmless value, so that reading continues and finds further errors.
 /// A table with a declaration is read by it only: to ask for a key that is not declared, or as something else, is an error
 /// of the program.
 class Section {

@@ -100,7 +100,7 @@ inline constexpr Table release{"release", "a layer on the terrain", release_decl
 Region read_shape(Section& s, int dim);
 /// A half-space, a sphere, a mesh or one of the shapes that bodies have, too.
 SolidShape read_solid_shape(Section& s, int dim, const std::string& folder);
-/// A mesh; an empty box in the place of one that is none.
+/// A mesh; an empty box if the input is not valid.
 SolidShape read_mesh(Section& s, int dim, const std::string& folder);
 /// The dark pixels of a PNG file.
 Region read_image(Section& s, const std::string& folder);

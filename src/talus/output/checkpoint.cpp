@@ -18,16 +18,16 @@
 namespace talus {
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Schedule, interval, next, last)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSoFar, case_file, case_text, end, time, step, history_bytes, surface_bytes,
-                                   gauge_bytes, snapshots, instants, next_snapshot, next_row, pressure_noise, maps,
-                                   forces, profile, gauges, map_checksum, peak_kinetic, last_flow, wall_seconds,
-                                   cpu_seconds, resumed_at)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(RunSoFar, case_file, case_text, end, time, step, history_bytes, profile_bytes,
+                                   surface_map_bytes, gauge_bytes, snapshots, instants, next_snapshot, next_row,
+                                   pressure_noise, maps, forces, profile, gauges, map_checksum, peak_kinetic, last_flow,
+                                   wall_seconds, cpu_seconds, resumed_at)
 
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kind = "talus checkpoint ", format = "6\n";
+constexpr std::string_view kind = "talus checkpoint ", format = "7\n";
 
 /// What stands before the HDF5 file in the same file, in what HDF5 calls a user block: what it is, and the checksum of the
 /// rest.

@@ -41,7 +41,8 @@ struct RunSoFar {
   double time = 0;  ///< [s]
   long step = 0;
   long history_bytes = 0;                   ///< length of history.csv
-  long surface_bytes = 0;                   ///< length of surface.csv
+  long profile_bytes = 0;                   ///< length of surface.csv, in 3D of rings.csv
+  long surface_map_bytes = 0;               ///< length of surface.csv in 3D
   long gauge_bytes = 0;                     ///< length of gauges.csv
   std::vector<double> snapshots, instants;  ///< times of the snapshots, and of the instants in pictures [s]
   Schedule next_snapshot{}, next_row{};

@@ -15,7 +15,7 @@
 /// raster for the same purpose, with vertical depth kept apart from thickness normal to the slope, and velocities
 /// averaged over the depth. We differ in three ways. Thickness is volume over area, not a distance between heights:
 /// maps conserve volume, a particle thrown up does not make a flow thicker, and the gap below a flow that has left the
-/// ground does not count; where it has left the ground is not told. Speed is that of the mean velocity, not split into
+/// ground does not count; whether it has left the ground is not recorded. Speed is that of the mean velocity, not split into
 /// parts parallel and normal to the slope. And a point covers an area, so that pixels may be smaller than the points
 /// are far apart.
 ///

@@ -118,7 +118,7 @@ GrowingTable::GrowingTable(const std::filesystem::path& file, std::vector<std::s
     std::error_code failure;
     if (!(std::filesystem::file_size(file, failure) >= std::uintmax_t(bytes)) || failure)
       throw std::runtime_error(fmt::format(
-          "{} is shorter than it was when the checkpoint was made; the run cannot go on from there", file.string()));
+          "{} is shorter than it was when the checkpoint was written; the run cannot be resumed", file.string()));
     std::filesystem::resize_file(file, std::uintmax_t(bytes));
   }
   file_.open(file, bytes > 0 ? std::ios::app : std::ios::trunc);
@@ -156,14 +156,29 @@ void History::add(const Ledger& ledger, const Outline& outline, const std::vecto
   GrowingTable::add({row});
 }
 
-SurfaceTable::SurfaceTable(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes)
-    : GrowingTable(file, {"time [s]", dim == 2 && !axisymmetric ? "x [m]" : "radius [m]", "thickness [m]"}, bytes) {}
+ProfileTable::ProfileTable(const std::filesystem::path& folder, const Case& case_, long bytes)
+    : GrowingTable(folder / (case_.dim == 3 ? "rings.csv" : "surface.csv"),
+                   {"time [s]", case_.dim == 2 && !case_.axisymmetric ? "x [m]" : "radius [m]", "thickness [m]"},
+                   bytes) {}
 
-void SurfaceTable::add(double time, const Surface& surface) {
+void ProfileTable::add(double time, const Surface& surface) {
   std::vector<std::vector<double>> rows;
   for (std::size_t i = 0; i < surface.places.size(); ++i)
     rows.push_back({time, surface.places[i], surface.thickness[i]});
   GrowingTable::add(rows);
+}
+
+SurfaceMapTable::SurfaceMapTable(const std::filesystem::path& folder, long bytes)
+    : GrowingTable(folder / "surface.csv", {"time [s]", "x [m]", "y [m]", "thickness [m]", "speed [m/s]"}, bytes) {}
+
+void SurfaceMapTable::add(double time, const std::vector<SurfacePatch>& patches) {
+  std::vector<std::vector<double>> rows;
+  for (const SurfacePatch& p : patches) rows.push_back({time, p.x, p.y, p.thickness, p.speed});
+  GrowingTable::add(rows);
+}
+
+std::filesystem::path profile_file(const std::filesystem::path& folder) {
+  return folder / (std::filesystem::exists(folder / "rings.csv") ? "rings.csv" : "surface.csv");
 }
 
 namespace {

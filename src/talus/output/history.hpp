@@ -1,5 +1,5 @@
 #pragma once
-/// history.csv and surface.csv: time histories of a run.
+/// history.csv, surface.csv and rings.csv: tables that grow during a run.
 
 #include <filesystem>
 #include <fstream>
@@ -10,10 +10,11 @@
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/plot.hpp"
+#include "talus/output/surface_map.hpp"
 
 namespace talus {
 
-/// A CSV file that grows while a run goes on.
+/// A CSV file that grows during a run.
 class GrowingTable {
  public:
   /// Creates the file and writes its header, column names with units; or continues an existing one after its first
@@ -37,7 +38,7 @@ class GrowingTable {
   long bytes_;
 };
 
-/// history.csv: a row an instant.
+/// history.csv: one row per instant.
 class History : public GrowingTable {
  public:
   History(const std::filesystem::path& file, const Case& case_, long bytes = 0);
@@ -48,12 +49,23 @@ class History : public GrowingTable {
   std::vector<double (*)(const Ledger&, const Outline&)> values_;  ///< of the columns
 };
 
-/// surface.csv: thickness of the material at the instants of snapshots; a row for each strip of ground, or ring.
-class SurfaceTable : public GrowingTable {
+/// Thickness of the material at the instants of snapshots; a row for each strip of ground, or ring: surface.csv, in 3D
+/// rings.csv.
+class ProfileTable : public GrowingTable {
  public:
-  SurfaceTable(const std::filesystem::path& file, int dim, bool axisymmetric, long bytes = 0);
+  ProfileTable(const std::filesystem::path& folder, const Case& case_, long bytes = 0);
   void add(double time, const Surface& surface);
 };
+
+/// surface.csv of a run in 3D: thickness and speed of the material on each patch of ground, at the instants of snapshots.
+class SurfaceMapTable : public GrowingTable {
+ public:
+  SurfaceMapTable(const std::filesystem::path& folder, long bytes = 0);
+  void add(double time, const std::vector<SurfacePatch>& patches);
+};
+
+/// The file of a run that ProfileTable wrote: rings.csv if the folder has one, otherwise surface.csv.
+std::filesystem::path profile_file(const std::filesystem::path& folder);
 
 /// Charts of a history: fronts, height, forces, mass that has flowed out, energies, time step, separated particles.
 std::vector<Chart> charts_of(const History& history, const LengthUnit& unit);

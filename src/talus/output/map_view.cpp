@@ -55,8 +55,7 @@ nlohmann::json add_map(const std::string& id, const PlanRaster& raster, const Pi
 }
 
 /// Heights of the ground as the map gives them, on fewer pixels where it has very many.
-nlohmann::json add_ground(const Terrain& ground, std::string& html) {
-  constexpr double most_pixels = 1.4e6;
+nlohmann::json add_ground(const Terrain& ground, double most_pixels, std::string& html) {
   const PlanRaster& map = ground.heights();
   const int every = std::max(1, int(std::ceil(std::sqrt(double(map.columns) * map.rows / most_pixels))));
   const int columns = (map.columns + every - 1) / every, rows = (map.rows + every - 1) / every;
@@ -105,7 +104,7 @@ std::vector<MapOverlay> overlays_of(const Case& case_) {
 }
 
 std::string map_view(const std::filesystem::path& folder, const Case& case_, const std::string& case_text,
-                     std::size_t most_frames) {
+                     const MapBudget& budget) {
   const MapFrame& frame = case_.map->frame;
   const auto read = [&](const std::filesystem::path& file) {
     PlanRaster raster = read_geo_raster(file.string(), 1, RasterContent::results).raster;
@@ -128,7 +127,7 @@ std::string map_view(const std::filesystem::path& folder, const Case& case_, con
   scene["projection"] = name_of_projection(frame.projection);
   scene["title"] = case_.title;
   scene["least_thickness"] = *case_.output.maps.least_thickness;
-  scene["ground"] = add_ground(*case_.map->ground, data);
+  scene["ground"] = add_ground(*case_.map->ground, budget.ground_pixels, data);
   scene["pixels"] = {
       {"corner", {peak.corner[0] + box.columns_from * peak.pixel, peak.corner[1] + box.rows_from * peak.pixel}},
       {"pixel", peak.pixel},
@@ -144,17 +143,31 @@ std::string map_view(const std::filesystem::path& folder, const Case& case_, con
                                {"packed", add_map(id, raster, box, data)}});
   }
   const std::vector<MapFiles> frames = map_frames(folder);
-  const std::size_t every =
-      std::max<std::size_t>(1, (frames.size() + most_frames - 1) / std::max<std::size_t>(1, most_frames));
-  scene["frames"] = nlohmann::json::array();
-  for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (i % every != 0 && i + 1 < frames.size()) continue;
-    const std::size_t n = scene["frames"].size();
-    scene["frames"].push_back(
-        {{"time", frames[i].time},
-         {"thickness", add_map(fmt::format("map-thickness-{}", n), read(frames[i].thickness), box, data)},
-         {"speed", add_map(fmt::format("map-speed-{}", n), read(frames[i].speed), box, data)}});
+  std::string frames_data;
+  const auto add_frames = [&](std::size_t n_shown) {
+    frames_data.clear();
+    scene["frames"] = nlohmann::json::array();
+    for (std::size_t i : spread_out(frames.size(), n_shown)) {
+      const std::size_t n = scene["frames"].size();
+      scene["frames"].push_back(
+          {{"time", frames[i].time},
+           {"thickness", add_map(fmt::format("map-thickness-{}", n), read(frames[i].thickness), box, frames_data)},
+           {"speed", add_map(fmt::format("map-speed-{}", n), read(frames[i].speed), box, frames_data)}});
+    }
+  };
+  std::size_t n_shown = std::min(frames.size(), budget.frames);
+  add_frames(n_shown);
+  while (n_shown > 1 && data.size() + frames_data.size() > budget.bytes) {
+    const double room = budget.bytes > data.size() ? double(budget.bytes - data.size()) : 0;
+    n_shown = std::clamp<std::size_t>(std::size_t(double(n_shown) * room / double(frames_data.size())), 1, n_shown - 1);
+    add_frames(n_shown);
   }
+  data += frames_data;
+  const std::string note = n_shown == frames.size() ? ""
+                                                    : fmt::format(
+                                                          "<p class=\"note\">The map shows {} of {} instants, to limit "
+                                                          "the size of the page; all are in the folder maps.</p>\n",
+                                                          n_shown, frames.size());
   scene["overlays"] = nlohmann::json::array();
   for (const MapOverlay& overlay : overlays_of(case_)) {
     nlohmann::json lines = nlohmann::json::array();
@@ -164,7 +177,7 @@ std::string map_view(const std::filesystem::path& folder, const Case& case_, con
     }
     scene["overlays"].push_back({{"name", overlay.name}, {"kind", overlay.kind}, {"lines", lines}});
   }
-  return std::string(page_parts::map_html()) + data + embedded_json("map-scene", scene.dump()) +
+  return std::string(page_parts::map_html()) + note + data + embedded_json("map-scene", scene.dump()) +
          embedded_script(page_parts::map_js());
 }
 

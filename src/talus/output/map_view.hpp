@@ -21,10 +21,18 @@ struct MapOverlay {
 /// Outlines of what is released, and of zones with another contact. Gauges and thalwegs belong here as well.
 std::vector<MapOverlay> overlays_of(const Case& case_);
 
-/// The map with its data as HTML: the ground on at most 1.4 million pixels, heights in 16 bits between the lowest and the
-/// highest; maps of the whole run and of its instants, to 0.2 %, cropped to where material has been. Instants beyond
-/// `most_frames` are left out evenly. `folder` holds the run's maps. Throws std::runtime_error if one cannot be read.
+/// How much of the maps goes into a page.
+struct MapBudget {
+  double ground_pixels = 1.4e6;
+  std::size_t frames = 60;
+  std::size_t bytes = 100'000'000;  ///< of the data; frames beyond it are left out
+};
+
+/// The map with its data as HTML: the ground, where necessary on fewer pixels, heights in 16 bits between the lowest and
+/// the highest; maps of the whole run and of its instants, to 0.2 %, cropped to where material has been. Instants that do
+/// not fit into the budget are left out evenly, and the page says so. `folder` holds the run's maps. Throws
+/// std::runtime_error if one cannot be read.
 std::string map_view(const std::filesystem::path& folder, const Case& case_, const std::string& case_text,
-                     std::size_t most_frames = 60);
+                     const MapBudget& budget = {});
 
 }  // namespace talus

@@ -74,6 +74,12 @@ std::string embedded_json(const std::string& id, const std::string& json) {
   return fmt::format("<script type=\"application/json\" id=\"{}\">{}</script>\n", id, safe);
 }
 
+std::vector<std::size_t> spread_out(std::size_t all, std::size_t n) {
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < n; ++i) chosen.push_back(n > 1 ? (i * (all - 1) + (n - 1) / 2) / (n - 1) : 0);
+  return chosen;
+}
+
 std::string embedded_figure(const std::filesystem::path& image, const std::string& caption) {
   return fmt::format("<figure><img alt=\"{}\" src=\"data:image/{};base64,{}\"><figcaption>{}</figcaption></figure>\n",
                      escaped(caption), image.extension() == ".svg" ? "svg+xml" : "png", base64(contents(image)),

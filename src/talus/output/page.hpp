@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace talus {
 
@@ -22,6 +23,9 @@ std::string embedded_script(std::string_view script);
 
 /// JSON as a part of the page, for its scripts to find by `id`.
 std::string embedded_json(const std::string& id, const std::string& json);
+
+/// `n` of `all` numbers from 0, evenly, the first and the last among them.
+std::vector<std::size_t> spread_out(std::size_t all, std::size_t n);
 
 /// An image as a part of the page, with a caption.
 std::string embedded_figure(const std::filesystem::path& image, const std::string& caption);

@@ -16,7 +16,7 @@ struct Picture {
   std::string caption;
 };
 
-/// Collects instants while a run goes on and draws them at its end: speed, plastic strain and viscosity, as far as the
+/// Collects instants during a run and draws them at its end: speed, plastic strain and viscosity, as far as the
 /// laws have them, and the surfaces of solids. In 3D it shows the slice through the middle. Data
 /// (instant_0.csv ..., solids_0.csv ...) and scripts (speed.gp ...) stay in the folder.
 class PictureBook {

@@ -58,12 +58,38 @@ std::string particles_section(const std::filesystem::path& folder, const Case& c
   }
 }
 
+/// Bytes of a page with report = "small": of all, of its pictures, of its maps, and the least for its particles.
+constexpr std::size_t most_bytes = 8'000'000, most_of_pictures = 2'500'000, most_of_maps = 2'500'000,
+                      least_of_particles = 300'000;
+
 /// Bytes that the packed particles of a page may take if the rest has so many.
 std::size_t budget_of_particles(const Case& case_, std::size_t rest) {
   if (case_.output.report == ReportSize::full) return viewer_budget;
-  constexpr std::size_t most = 8'000'000, least = 1'000'000;
   rest += page_parts::three_js().size() + page_parts::orbit_controls_js().size() + page_parts::viewer_js().size();
-  return rest + least < most ? most - rest : least;
+  return rest + least_of_particles < most_bytes ? most_bytes - rest : least_of_particles;
+}
+
+/// Pictures of a run, those that fit, evenly; a note states how many are left out.
+std::string pictures_section(const Case& case_, const std::vector<Picture>& pictures) {
+  std::string figures, note;
+  std::size_t n = pictures.size();
+  const auto embed = [&] {
+    figures.clear();
+    for (std::size_t i : spread_out(pictures.size(), n))
+      figures += embedded_figure(pictures[i].file, pictures[i].caption);
+  };
+  embed();
+  while (case_.output.report != ReportSize::full && n > 1 && figures.size() > most_of_pictures) {
+    n = std::clamp<std::size_t>(n * most_of_pictures / figures.size(), 1, n - 1);
+    embed();
+  }
+  if (n < pictures.size())
+    note = fmt::format(
+        "<p class=\"note\">The page shows {} of {} pictures, to limit its size; output.report = \"full\" shows all. "
+        "All "
+        "are in the folder {}.</p>\n",
+        n, pictures.size(), escaped(pictures.front().file.parent_path().filename().string()));
+  return figures + note;
 }
 
 /// Rows of a history for the page: all, or the first of every `every` and the last if all of them would make it large.
@@ -158,13 +184,14 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
       "</table>\n<p>Thickness is normal to the ground. Speed and arrival are given where material is thicker than "
       "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
   try {
-    section += map_view(folder / "maps", case_, run.case_text);
+    const MapBudget small{3e5, 60, most_of_maps};
+    section +=
+        map_view(folder / "maps", case_, run.case_text, case_.output.report == ReportSize::full ? MapBudget{} : small);
   } catch (const std::exception& e) {  // a report without this map is better than none
     section += "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
   }
   section += "<div class=\"charts\">\n";
-  for (const Picture& p : maps) section += embedded_figure(p.file, p.caption);
-  return section + "</div>\n";
+  return section + pictures_section(case_, maps) + "</div>\n";
 }
 
 std::string outline_section(const Case& case_, const Outline& start, const Outline& end) {
@@ -320,9 +347,9 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
   for (const std::string& notice : {notice_of_symmetry(case_), notice_of_outflow(run.ledger)})
     if (!notice.empty()) tail << "<p>" << escaped(notice) << "</p>\n";
   if (!run.runout) {
-    tail << outline_section(case_, run.start, run.end) << surface_profiles(folder / "surface.csv", extent(case_));
+    tail << outline_section(case_, run.start, run.end) << surface_profiles(profile_file(folder), extent(case_));
     if (!pictures.empty()) tail << "<h2>Pictures</h2>\n";
-    for (const Picture& p : pictures) tail << embedded_figure(p.file, p.caption);
+    tail << pictures_section(case_, pictures);
   }
   tail << forces_section(case_, run.surfaces) << energy_section(case_, run.ledger, run.surfaces)
        << noise_section(run.noise) << time_step_section(run.tally) << case_section(run) << record_section(run)

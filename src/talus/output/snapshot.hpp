@@ -26,7 +26,7 @@ Observation read_snapshot(const std::filesystem::path& file);
 std::vector<std::filesystem::path> read_series(const std::filesystem::path& series_file);
 
 /// The snapshots of a run: numbered files and the series file that lists them with their times. A snapshot is written
-/// while the run goes on; the next one waits for it, and throws its errors.
+/// in a thread of its own; the next one waits for it, and throws its errors.
 class SnapshotSeries {
  public:
   /// Files FOLDER/particles_0000.hdf ... and FOLDER/particles.hdf.series. `times` are those of the snapshots that are

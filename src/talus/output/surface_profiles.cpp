@@ -143,9 +143,9 @@ std::string surface_profiles(const std::filesystem::path& surface, double extent
       "{0:.0f} {1:.0f}\" width=\"{0:.0f}\" height=\"{1:.0f}\" font-family=\"system-ui, sans-serif\" font-size=\"13\" "
       "fill=\"#333\" role=\"img\" aria-label=\"Thickness at some instants\">\n{2}{3}{4}</svg><figcaption>Thickness of "
       "the "
-      "material at {5} instants; the last is drawn thick. All instants are in surface.csv.</figcaption></figure>\n",
+      "material at {5} instants; the last is drawn thick. All instants are in {6}.</figcaption></figure>\n",
       drawing.width(), drawing.height(), drawing.axes(table.names[1].starts_with("radius") ? "radius" : "x"), curves,
-      legend, profiles.size());
+      legend, profiles.size(), surface.filename().string());
 }
 
 }  // namespace talus

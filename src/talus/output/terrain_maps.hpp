@@ -58,7 +58,7 @@ std::filesystem::path map_file(const std::filesystem::path& folder, const Case& 
 /// std::runtime_error if the list cannot be read.
 std::vector<MapFiles> map_frames(const std::filesystem::path& folder);
 
-/// Collects maps while a run goes on. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
+/// Collects maps during a run. Files are named as AvaFrame's AIMEC reads them, RELEASE_ID_null_talus_WHAT: the first
 /// body, a number made of the case, and pft (peak flow thickness, m), pfv (peak flow velocity, m/s), ppr (peak pressure,
 /// kPa), arrival (s), or deposit (m); thickness is normal to the ground. GeoTIFF or ESRI ASC, as the terrain was.
 /// `change` is how far the surface of all bodies has risen, upright (m): vertical thickness at the end less that at the

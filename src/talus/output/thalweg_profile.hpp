@@ -35,7 +35,7 @@ struct ThalwegRunout {
   double angle() const;  ///< of reach [degrees]
 };
 
-/// Collects the flow along the thalweg of a case while a run goes on.
+/// Collects the flow along the thalweg of a case during a run.
 class ThalwegProfile {
  public:
   /// Of a case with a thalweg, on the pixels of its maps; `state` is what `state()` returned before the run was stopped.

@@ -46,7 +46,7 @@ void add_axis(const std::string& id, const Packed& places, nlohmann::json& facts
   html += element_of(id, places.words);
 }
 
-/// A snapshot without the numbers of the particles, which nobody looks at.
+/// A snapshot without the ids of the particles, which are of no use in a picture.
 Observation seen_in(const std::filesystem::path& snapshot) {
   Observation seen = read_snapshot(snapshot);
   std::erase_if(seen.fields, [](const Field& f) { return f.name == "id"; });
@@ -127,27 +127,19 @@ nlohmann::json pose_of(const Solid& solid, double time) {
   return rows;
 }
 
-/// `n` of `all` numbers, evenly, the first and the last among them.
-std::vector<std::size_t> spread_out(std::size_t all, std::size_t n) {
-  std::vector<std::size_t> chosen;
-  for (std::size_t i = 0; i < n; ++i) chosen.push_back(n > 1 ? (i * (all - 1) + (n - 1) / 2) / (n - 1) : 0);
-  return chosen;
-}
-
-}  // namespace
-
-std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& snapshots, std::size_t budget) {
-  if (snapshots.empty()) throw std::runtime_error("there are no snapshots");
-  const std::size_t n_all = snapshots.size();
-
-  // Size of an instant, the mean of three.
-  const std::vector<std::size_t> samples = spread_out(n_all, std::min<std::size_t>(3, n_all));
-  std::size_t bytes = 1;
-  for (std::size_t i : samples) bytes += pack(seen_in(snapshots[i]), 0, 1).html.size() / samples.size();
-  const std::size_t n = std::clamp<std::size_t>(budget / bytes, std::min<std::size_t>(fewest_instants, n_all), n_all);
-  const std::size_t every = std::max<std::size_t>(1, (n * bytes + budget - 1) / budget);
-
+/// The data of a page: elements with packed numbers, and the scene that describes them.
+struct SceneData {
+  std::string html;
   nlohmann::json scene;
+  std::size_t size = 0;  ///< of both [bytes]
+};
+
+/// Packs `n` of the snapshots, and of each the first of every `every` particles.
+SceneData pack_scene(const Case& case_, const std::vector<std::filesystem::path>& snapshots, std::size_t n,
+                     std::size_t every) {
+  const std::size_t n_all = snapshots.size();
+  SceneData packed;
+  nlohmann::json& scene = packed.scene;
   double spacing = 0;
   for (const BodySpec& body : case_.bodies) spacing = std::max(spacing, body.spacing);
   scene["dim"] = case_.dim;
@@ -162,7 +154,7 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
            : "") +
       (every > 1 ? fmt::format(" The page shows one particle in {}, drawn larger.", every) : "");
 
-  std::string data;
+  std::string& data = packed.html;
   scene["solids"] = pack_solids(case_, data);
   for (std::size_t i : spread_out(n_all, n)) {
     const Observation seen = seen_in(snapshots[i]);
@@ -176,7 +168,34 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
     scene["frames"].push_back(instant.facts);
     for (const Solid& solid : case_.solids) scene["frames"].back()["poses"].push_back(pose_of(solid, seen.time));
   }
-  return std::string(page_parts::viewer_html()) + data + embedded_json("scene", scene.dump()) +
+  packed.size = data.size() + scene.dump().size();
+  return packed;
+}
+
+}  // namespace
+
+std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& snapshots, std::size_t budget) {
+  if (snapshots.empty()) throw std::runtime_error("there are no snapshots");
+  const std::size_t n_all = snapshots.size();
+
+  // Size of an instant, the mean of three.
+  const std::vector<std::size_t> samples = spread_out(n_all, std::min<std::size_t>(3, n_all));
+  double bytes = 1;
+  for (std::size_t i : samples) bytes += double(pack(seen_in(snapshots[i]), 0, 1).html.size()) / double(samples.size());
+  const std::size_t fewest = std::min<std::size_t>(fewest_instants, n_all);
+  SceneData packed;
+  // Other instants than those three may be larger, and solids count too: if the result is too large, once more with the
+  // size of an instant that it had, and less room.
+  double room = double(budget);
+  for (int trial = 0; trial < 6; ++trial) {
+    const std::size_t n = std::clamp(std::size_t(std::min(room / bytes, double(n_all))), fewest, n_all);
+    const std::size_t every = std::size_t(std::max(1.0, std::ceil(double(n) * bytes / room)));
+    packed = pack_scene(case_, snapshots, n, every);
+    if (packed.size <= budget) break;
+    bytes = std::max(bytes, double(packed.size) * double(every) / double(n));
+    room *= 0.97;
+  }
+  return std::string(page_parts::viewer_html()) + packed.html + embedded_json("scene", packed.scene.dump()) +
          embedded_script(page_parts::three_js()) + embedded_script(page_parts::orbit_controls_js()) +
          embedded_script(page_parts::viewer_js());
 }

@@ -17,7 +17,7 @@ inline constexpr std::size_t viewer_budget = 100'000'000;
 inline constexpr int fewest_instants = 8;
 
 /// The viewer of these snapshots and its data as HTML. Places are rounded to 1/65535 of the extent of an instant, values
-/// to 9 bits (0.2 %). What does not fit into `budget` is left out, instants first, evenly, and the page
+/// to 9 bits (0.2 %). What does not fit into `budget` is left out, instants first, evenly, then particles, and the page
 /// says so. Throws std::runtime_error if a snapshot cannot be read or holds other fields than the first.
 std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& snapshots,
                    std::size_t budget = viewer_budget);
