@@ -112,14 +112,18 @@ TEST_F(Robustness, AFullStandardOutputIsAFailure) {
 }
 
 TEST_F(Robustness, MaterialTooSoftForItsWeightIsNamedAsTheCause) {
-  for (const std::string& set :
-       {std::string("material.sand.E=1 Pa"), std::string("domain.gravity=[\"0 m/s2\", \"0 m/s2\", \"-1e6 m/s2\"]")}) {
-    const Finished run =
-        talus("run " + cases + "free_fall.toml --set '" + set + "' --out " + in("out") + " --overwrite");
-    EXPECT_EQ(run.code, 3) << run.output;
-    EXPECT_TRUE(has(run.output, "Use a stiffer material or less gravity.")) << run.output;
-    EXPECT_FALSE(has(run.output, "larger domain")) << run.output;
-  }
+  const Finished run =
+      talus("run " + cases + "free_fall.toml --set 'domain.gravity=[\"0 m/s2\", \"0 m/s2\", \"-1e6 m/s2\"]' --out " +
+            in("out") + " --overwrite");
+  EXPECT_EQ(run.code, 3) << run.output;
+  EXPECT_TRUE(has(run.output, "Use a stiffer material or less gravity.")) << run.output;
+  EXPECT_FALSE(has(run.output, "larger domain")) << run.output;
+}
+
+// 1 Pa is too soft to stand, but nothing stands in free fall, where single steps are half a cell long.
+TEST_F(Robustness, SoftMaterialFallsFreely) {
+  const Finished run = talus("run " + cases + "free_fall.toml --set 'material.sand.E=1 Pa' --out " + in("out"));
+  EXPECT_EQ(run.code, 0) << run.output;
 }
 
 TEST_F(Robustness, TitlesThatCannotBeMeantAreRefusedAndNotEchoed) {

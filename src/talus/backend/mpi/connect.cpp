@@ -35,7 +35,7 @@ std::string namespace_of_processes() {
   return boot + container;
 }
 
-/// Looks several times a second whether processes of this machine are still there. If one is not, the first one left
+/// Looks a hundred times a second whether processes of this machine are still there. If one is not, the first one left
 /// prints the last words, and all end: nobody may wait for the dead.
 class Watch {
  public:
@@ -63,9 +63,8 @@ class Watch {
   static bool is_gone(const Process& p) { return ::kill(p.pid, 0) != 0 && errno == ESRCH; }
 
   void watch() {
-    for (int round = 1; !stopped_; ++round) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      if (round % 10 != 0) continue;
+    while (!stopped_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));  // mpirun soon stops passing on what processes print
       const auto gone = std::find_if(processes_.begin(), processes_.end(), is_gone);
       if (gone != processes_.end() && !stopped_) end_after(gone->number);
     }
