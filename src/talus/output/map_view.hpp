@@ -3,6 +3,7 @@
 /// folder, packed for the browser, shown by report/map.js.
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -24,7 +25,7 @@ std::vector<MapOverlay> overlays_of(const Case& case_);
 /// How much of the maps goes into a page.
 struct MapBudget {
   double ground_pixels = 1.4e6;
-  std::size_t frames = 60;
+  std::size_t frames = std::numeric_limits<std::size_t>::max();
   std::size_t bytes = 100'000'000;  ///< of the data; frames beyond it are left out
 };
 
