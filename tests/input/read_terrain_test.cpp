@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -334,6 +335,28 @@ TEST_F(TerrainCase, ReleasesAnEvenThicknessInPolygons) {
   EXPECT_EQ(shown(file, "body.slide.release.volume"), "3000 m3");
   EXPECT_EQ(shown(file, "body.slide.release.area"), "600 m2");
   EXPECT_EQ(shown(file, "body.slide.release.mean_thickness"), "5 m vertical, 4 m normal to the ground");
+}
+
+TEST_F(TerrainCase, ShowsTheVolumeOfAReleaseByBothReadingsOfItsThickness) {
+  // 600 m2 in plan, 4 m thick, on a slope with the cosine 0.8.
+  const auto shown = [&](const std::string& release) {
+    std::map<std::string, std::string> notes;
+    for (const Understood& u : read(text_of(release)).understood)
+      if (u.path.starts_with("body.slide.release.volume")) notes[u.path.substr(19)] = u.value + ", " + u.meaning;
+    return notes;
+  };
+  using Notes = std::map<std::string, std::string>;
+  EXPECT_EQ(
+      shown(drawn),
+      (Notes{{"volume", "2400 m3, released: thickness is vertical, as `measured` states"},
+             {"volume_if_normal", "3000 m3, not used: the volume if the same thickness were normal to the ground"}}));
+  EXPECT_EQ(shown(replaced(drawn, "vertical", "normal")),
+            (Notes{{"volume", "3000 m3, released: thickness is normal to the ground, as `measured` states"},
+                   {"volume_if_vertical", "2400 m3, not used: the volume if the same thickness were vertical"}}));
+  // Heights of a surface have one reading.
+  write_raster("before.asc", [](double x, double y) { return ground(x, y) + 4; });
+  EXPECT_EQ(shown(R"(polygons = "release.geojson", top = "before.asc", unit = "m")"),
+            (Notes{{"volume", "2400 m3, released: between the surfaces"}}));
 }
 
 TEST_F(TerrainCase, ReleasesNoMaterialInHoles) {

@@ -146,7 +146,9 @@ TEST(OnAPlane, ALayerSlidesWithTheAccelerationThatCoulombLeavesIt) {
         Slope{a15, a45, 2, cell, 0.3, rubs(0.1)}, Slope{a30, 0, 4, 0.25 * cell, 0}, Slope{a30, a27, 1, cell, 0.3},
         Slope{a30, a45, 2, 2 * cell, 0.5}, Slope{a45, 0, 2, 0.5 * cell, 0.77}, Slope{a45, a27, 4, cell, 0.25},
         Slope{a45, a45, 1, 2 * cell, 0.5, rubs(0.4)}, Slope{a60, 0, 1, cell, 0.25},
-        Slope{a60, a27, 2, 0.25 * cell, 0.5, rubs(0.4)}, Slope{a60, a45, 4, 2 * cell, 0.3}}) {
+        Slope{a60, a27, 2, 0.25 * cell, 0.5, rubs(0.4)}, Slope{a60, a45, 4, 2 * cell, 0.3},
+        Slope{57 * degree, 33 * degree, 2, 0.5 * cell, 0.6}, Slope{57 * degree, 33 * degree, 4, cell, 0.1},
+        Slope{22 * degree, 71 * degree, 1, cell, 0.4, rubs(0.1)}, Slope{22 * degree, 71 * degree, 2, 2 * cell, 0.8}}) {
     SCOPED_TRACE(testing::Message() << slope.inclination / degree << " degrees towards " << slope.direction / degree
                                     << ", " << slope.cells_thick << " cells thick, pixel " << slope.pixel);
     const Case case_ = slope.case_();
@@ -337,102 +339,158 @@ TEST(Voellmy, ALayerApproachesTheTerminalSpeedOfTheInfiniteSlope) {
   }
 }
 
-TEST(Voellmy, APatchIsNotHeldMuchMoreThanItIsWide) {
-  // mu = 0: all that slows a patch of 16 x 16 cells on a slope of 30 degrees is rho g v^2/xi over its area. Its edges,
-  // each a third of a cell too far out, add 9 %; did every node with mass stand for a whole cell, that were 28 %.
+TEST(Voellmy, APatchIsHeldAsIfItsEdgesReachedALittleFartherInCells) {
+  // mu = 0: all that slows a patch on a slope of 30 degrees is rho g v^2/xi over its area. Each of its edges, W apart,
+  // counts as if it lay less than a third of a cell too far out: the drag is (1 + 2 e/W)^2 of what it should be, with the
+  // same e in cells for a patch of twice as many cells, 7 % too much for 16 cells and 3 % for 32. Did every node with mass
+  // stand for a whole cell, that were 28 %.
   const double xi = 40;
-  const Slope slope{30 * degree, 27 * degree, 1, cell, 0.3, rubs(0, xi)};
-  Case case_ = slope.case_with({{-0.4, -0.4, 0}, {0.4, 0.4, 0}});
-  case_.numerics.tau = 0.003;
-  const auto loop = make_serial();
-  const auto s = make_simulation(case_, *loop);
-  double squares = 0;  // of the speed, over time
-  while (s->ledger().time < 0.25) {
-    s->step();
-    squares += std::pow(dot(s->ledger().momentum, slope.down()) / s->ledger().mass, 2) * s->ledger().dt;
+  for (const double half : {0.4, 0.8}) {
+    const Slope slope{30 * degree, 27 * degree, 1, cell, 0.3, rubs(0, xi)};
+    Case case_ = slope.case_with({{-half, -half, 0}, {half, half, 0}});
+    case_.numerics.tau = 0.003;
+    const auto loop = make_serial();
+    const auto s = make_simulation(case_, *loop);
+    double squares = 0;  // of the speed, over time
+    while (s->ledger().time < (half < 0.5 ? 0.2 : 0.08)) {
+      s->step();
+      squares += std::pow(dot(s->ledger().momentum, slope.down()) / s->ledger().mass, 2) * s->ledger().dt;
+    }
+    const Ledger& l = s->ledger();
+    const double area = l.mass / 1000 / cell, exact = 1000 * g / xi * area * squares,
+                 drag = -dot(l.wall_impulse, slope.down()),
+                 too_far_out = 0.5 * (std::sqrt(drag / exact) - 1) * std::sqrt(area) / cell;
+    EXPECT_GT(too_far_out, 0.2) << half;
+    EXPECT_LT(too_far_out, 0.33) << half;
   }
-  const Ledger& l = s->ledger();
-  const double area = l.mass / 1000 / cell, exact = 1000 * g / xi * area * squares,
-               drag = -dot(l.wall_impulse, slope.down());
-  EXPECT_GT(drag, exact);
-  EXPECT_LT(drag, 1.1 * exact);
 }
 
 // ---- curved beds -------------------------------------------------------------------------------------------------
 
-/// A point that slides on a surface z = f(x, y) with friction. What presses is N/m = n_z (g + v_i v_j d2f/dx_i dx_j),
-/// the weight and what the curvature along its way adds, g cos b + kappa v^2.
-struct SlidingPoint {
-  Vec<3> x, v;
+/// A thin slab that slides on a surface z = f(x, y) with friction: all its points X + n N above a place X of the surface, with
+/// its normal N and 0 <= n <= T. It is short and stiff: its section stays straight and normal to the surface, so a point
+/// moves along the surface at the distance n, in a trough slower than the base by 1 - n/R. For every virtual motion of X
+/// (2 degrees of freedom; lines over the words are means over n)
+///   mean(a_n . dX_n) = mean(g . dX_n) - mu P V/|V| . dX,   P = N . mean(a_n - g),
+/// with P what presses (per mass): the weight and what curvature adds. Friction acts at the base, at its speed V. So in a
+/// trough it brakes the middle 1/(1 - T/(2 R)) as much as a point there: the moment of friction moves the pressure forward
+/// on the bed, where its normal leans back. T = 0 is a point.
+template <class F>
+struct SlidingSlab {
+  F f;
+  double thickness;
+  Vec<2> x, v;  ///< of the base, in plan
 
-  template <class F>
-  void slide(F f, double mu, double time) {
+  TerrainPlace ground(const Vec<2>& at) const {
+    constexpr double e = 1e-4;
+    return {f(at[0], at[1]), (f(at[0] + e, at[1]) - f(at[0] - e, at[1])) / (2 * e),
+            (f(at[0], at[1] + e) - f(at[0], at[1] - e)) / (2 * e)};
+  }
+  Vec<3> point(const Vec<2>& at, double n) const {
+    const TerrainPlace g = ground(at);
+    return Vec<3>{at[0], at[1], g.height} + n * g.normal();
+  }
+  Vec<3> middle() const { return point(x, 0.5 * thickness); }
+  /// Change of a point with that of its base.
+  Vec<3> change(double n, const Vec<2>& d) const {
     constexpr double e = 1e-3;
-    const int n_steps = int(time / 2e-5) + 1;
+    return (0.5 / e) * (point(x + e * d, n) - point(x - e * d, n));
+  }
+  Vec<3> velocity() const { return change(0.5 * thickness, v); }
+
+  void slide(double mu, double time) {
+    constexpr double e = 1e-3;
+    const int n_steps = int(time / 1e-4) + 1;
     const double dt = time / n_steps;
+    const Vec<2> axes[] = {{1, 0}, {0, 1}};
     for (int k = 0; k < n_steps; ++k) {
-      const auto z = [&](double i, double j) { return f(x[0] + i * e, x[1] + j * e); };
-      const double here = z(0, 0), dx = (z(1, 0) - z(-1, 0)) / (2 * e), dy = (z(0, 1) - z(0, -1)) / (2 * e);
-      const double xx = (z(1, 0) - 2 * here + z(-1, 0)) / (e * e), yy = (z(0, 1) - 2 * here + z(0, -1)) / (e * e),
-                   xy = (z(1, 1) - z(1, -1) - z(-1, 1) + z(-1, -1)) / (4 * e * e);
-      const Vec<3> normal = TerrainPlace{here, dx, dy}.normal();
-      v = v - dot(v, normal) * normal;
-      const double pressed = normal[2] * (g + v[0] * v[0] * xx + 2 * v[0] * v[1] * xy + v[1] * v[1] * yy);
-      const Vec<3> downhill = Vec<3>{0, 0, -g} + pressed * normal, along = length(v) > 1e-9 ? v : downhill;
-      v = v + dt * (downhill - (mu * pressed / length(along)) * along);
+      const Vec<3> V = change(0, v), gravity{0, 0, -g}, normal = ground(x).normal();
+      double m[2][2] = {}, force[2] = {}, pressed = 0;
+      for (const double n : {0.5 * (1 - std::sqrt(1 / 3.0)), 0.5 * (1 + std::sqrt(1 / 3.0))}) {  // Gauss
+        const double at = n * thickness;
+        const Vec<3> turned = (1 / (e * e)) * (point(x + e * v, at) - 2.0 * point(x, at) + point(x - e * v, at));
+        pressed += 0.5 * dot(normal, turned - gravity);
+        for (int i : {0, 1}) {
+          const Vec<3> to = change(at, axes[i]);
+          force[i] += 0.5 * dot(to, gravity - turned);
+          for (int j : {0, 1}) m[i][j] += 0.5 * dot(to, change(at, axes[j]));
+        }
+      }
+      // At rest friction points up the slope.
+      const Vec<3> along = length(V) > 1e-9 ? V : gravity - dot(gravity, normal) * normal;
+      for (int i : {0, 1}) force[i] -= mu * pressed / length(along) * dot(along, change(0, axes[i]));
+      const double det = m[0][0] * m[1][1] - m[0][1] * m[1][0];
+      v = v + (dt / det) * Vec<2>{m[1][1] * force[0] - m[0][1] * force[1], m[0][0] * force[1] - m[1][0] * force[0]};
       x = x + dt * v;
     }
   }
 };
 
-/// A patch of 4 x 4 cells, a cell thick, and a point that begins as its middle does.
+/// A patch of 4 x 4 cells, so many cells thick, and a slab that begins with its middle.
 template <class F>
-void expect_to_slide_as_a_point(F f, const Box& plan, const Vec<2>& start, const Vec<2>& velocity, double time,
-                                double direction_within) {
-  const double mu = 0.2;
+void expect_to_slide_as_a_slab(F f, const Box& plan, double cells_thick, const Vec<2>& start, const Vec<2>& velocity,
+                               double time, double direction_within) {
+  SCOPED_TRACE(testing::Message() << cells_thick << " cells thick");
+  const double mu = 0.2, thickness = cells_thick * cell;
   Case case_ = on_terrain();
   set_domain(case_, plan);
   const auto ground = terrain_under(case_.domain, f, cell);
   const TerrainPlace at = ground->at(start[0], start[1]);
-  case_.materials = {{"rubber", LinearElastic{1e6, 0.2}, 1000}};
+  // Soft, as the slab's bending along the bed is free; its weight makes it 1 % thinner. In the trough of the cosine
+  // rubber of 1 MPa, two cells thick, is 2.9 % too slow, 0.8 % with cells of half the size: what bends it goes into waves
+  // that the grid does not resolve.
+  case_.materials = {{"rubber", LinearElastic{3e5, 0.2}, 1000}};
   case_.solids = {{"terrain", Ground{ground}, rubs(mu)}};
-  case_.bodies = {layer_on(
-      ground, {{start[0] - 2 * cell, start[1] - 2 * cell, 0}, {start[0] + 2 * cell, start[1] + 2 * cell, 0}}, cell)};
+  case_.bodies = {
+      layer_on(ground, {{start[0] - 2 * cell, start[1] - 2 * cell, 0}, {start[0] + 2 * cell, start[1] + 2 * cell, 0}},
+               thickness)};
   const Vec<3> v{velocity[0], velocity[1], at.dx * velocity[0] + at.dy * velocity[1]};
   case_.bodies[0].velocity = v;
-  case_.numerics.tau = 0.005;
+  case_.bodies[0].initial_stress = InitialStress::k0;
+  case_.numerics.tau = 0.08 * std::sqrt(thickness / g);  // the default
   const auto loop = make_serial();
   const auto s = make_simulation(case_, *loop);
-  SlidingPoint point{{start[0], start[1], at.height}, v};
+  SlidingSlab<F> slab{f, thickness, start, {}};
+  const Vec<3> middle = mean(s->observe(), "position");
+  for (int k = 0; k < 20; ++k)  // the sides of the patch are vertical, so its middle is not above `start`
+    for (int a : {0, 1}) slab.x[a] += middle[a] - slab.middle()[a];
+  slab.v = velocity;
+  for (int k = 0; k < 20; ++k)
+    for (int a : {0, 1}) slab.v[a] += velocity[a] - slab.velocity()[a];
   double before = 0;
   for (int k = 1; k <= 4; ++k) {
     run_until(*s, 0.25 * k * time);
-    point.slide(f, mu, s->ledger().time - before);
+    slab.slide(mu, s->ledger().time - before);
     before = s->ledger().time;
-    const Vec<3> is = (1 / s->ledger().mass) * s->ledger().momentum;
-    EXPECT_NEAR(length(is), length(point.v), 0.02 * length(point.v)) << before;
-    EXPECT_GT(dot(is, point.v), std::cos(direction_within) * length(is) * length(point.v)) << before;
+    const Vec<3> is = (1 / s->ledger().mass) * s->ledger().momentum, expected = slab.velocity();
+    EXPECT_NEAR(length(is), length(expected), 0.02 * length(expected)) << before;
+    EXPECT_GT(dot(is, expected), std::cos(direction_within) * length(is) * length(expected)) << before;
   }
   const Vec<3> end = mean(s->observe(), "position");
-  for (int a = 0; a < 2; ++a) EXPECT_NEAR(end[a], point.x[a], 0.5 * cell);
+  for (int a = 0; a < 2; ++a) EXPECT_NEAR(end[a], slab.middle()[a], 0.5 * cell);
 }
 
 TEST(OnACurvedBed, APatchPassesTheTroughOfACosineWithWhatItsCurvatureAddsToFriction) {
   // Waves 6 m long and 1.2 m high: in the trough the radius is 1.52 m, and at 3 m/s what presses is 1 + v^2/(g R) = 1.6
-  // times the weight. The middle of the patch goes 25 mm above the bed and the patch is 0.2 m long, which is 1 %.
-  expect_to_slide_as_a_point([](double x, double) { return 0.6 * std::cos(2 * pi / 6 * x); },
-                             {{0.5, -0.3, -0.9}, {4.2, 0.3, 0.9}}, {0.9, 0}, {}, 1.2, 0.012);
+  // times the weight. Four cells thick, the middle of the patch goes 0.1 m above the bed, on a radius 7 % smaller.
+  for (const double cells_thick : {1, 2, 4})
+    expect_to_slide_as_a_slab([](double x, double) { return 0.6 * std::cos(2 * pi / 6 * x); },
+                              {{0.5, -0.3, -0.9}, {4.2, 0.3, 1.1}}, cells_thick, {0.9, 0}, {}, 1.2, 0.012);
 }
 
 TEST(OnACurvedBed, APatchSlidesDownAConeAsDownAPlane) {
-  expect_to_slide_as_a_point([](double x, double y) { return -0.5 * std::hypot(x, y); },
-                             {{0.3, 0.5, -1.5}, {1.6, 2.0, 0.2}}, {0.6, 0.8}, {}, 0.8, 0.005);
+  // Four cells thick, with vertical sides, the patch pitches at first.
+  for (const double cells_thick : {1, 2, 4})
+    expect_to_slide_as_a_slab([](double x, double y) { return -0.5 * std::hypot(x, y); },
+                              {{0.3, 0.5, -1.5}, {1.6, 2.0, 0.3}}, cells_thick, {0.6, 0.8}, {}, 0.8,
+                              cells_thick < 4 ? 0.005 : 0.016);
 }
 
 TEST(OnACurvedBed, APatchThatIsThrownAcrossAFunnelTurnsAsItsWallDoes) {
   // Along the wall of a funnel of 27 degrees, 1.7 m from its axis: gravity turns it down, the wall presses it around.
-  expect_to_slide_as_a_point([](double x, double y) { return 0.5 * std::hypot(x, y); },
-                             {{0.2, -0.2, 0.1}, {2.0, 1.6, 1.3}}, {1.6, 0.6}, {0, 1.5}, 0.9, 0.012);
+  for (const double cells_thick : {1, 2, 4})
+    expect_to_slide_as_a_slab([](double x, double y) { return 0.5 * std::hypot(x, y); },
+                              {{0.2, -0.2, 0.1}, {2.0, 1.6, 1.5}}, cells_thick, {1.6, 0.6}, {0, 1.5}, 0.9, 0.012);
 }
 
 // ---- the same bits -----------------------------------------------------------------------------------------------

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
 
 #include "folder_of_its_own.hpp"
 #include "talus/base/file.hpp"
@@ -73,8 +75,7 @@ TEST_F(MapPictures, ShowFullCoordinatesOfTheMap) {
   MapPicture picture;
   picture.ground = &ground;
   picture.frame = {{1234000, 5200000}, "PROJCS[\"Some zone\",GEOGCS[]]"};
-  draw_map(folder_ / "a.png", picture);
-  const std::string script = contents_of(folder_ / "a.gp");
+  const std::string script = contents_of(write_map_script(folder_, "a", picture));
   EXPECT_NE(script.find("'1 234 100' 1234100"), std::string::npos);
   EXPECT_NE(script.find("'5 200 200' 5200200"), std::string::npos);
   EXPECT_NE(script.find("'Some zone'"), std::string::npos);
@@ -87,9 +88,8 @@ TEST_F(MapPictures, ShowWhatIsInColoursWithItsSurroundings) {
   picture.ground = &ground;
   picture.layer = square();
   picture.release = {{{140, 100}, {160, 100}, {160, 120}}};
-  const bool is_drawn = draw_map(folder_ / "a.png", picture);
-  EXPECT_EQ(is_drawn, has_gnuplot());
-  const std::string script = contents_of(folder_ / "a.gp");
+  EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
+  const std::string script = contents_of(write_map_script(folder_, "a", picture));
   EXPECT_NE(script.find("'Peak flow thickness [m]'"), std::string::npos);
   EXPECT_NE(script.find("array=(1,1)"), std::string::npos);  // one pixel has a number above zero
   EXPECT_NE(script.find("origin=(155,155)"), std::string::npos);
@@ -109,18 +109,46 @@ TEST_F(MapPictures, OfFlatGroundWithoutAnyFlowAreDrawn) {
   EXPECT_EQ(draw_map(folder_ / "flat.png", picture), has_gnuplot());
 }
 
-TEST_F(MapPictures, WithoutGnuplotScriptAndDataAreWritten) {
+TEST_F(MapPictures, LeaveNoScriptAndNoDataBesideThem) {
   const Terrain ground = ridge();
   MapPicture picture;
   picture.ground = &ground;
+  picture.layer = square();
+  const auto number_of_files = [&] { return std::distance(std::filesystem::directory_iterator(folder_), {}); };
+  EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
+  EXPECT_EQ(std::filesystem::exists(folder_ / "a.png"), has_gnuplot());
+  EXPECT_EQ(number_of_files(), has_gnuplot());
+  std::filesystem::remove(folder_ / "a.png");
   const std::string path = std::getenv("PATH");
   ::setenv("PATH", folder_.c_str(), 1);
-  const bool is_drawn = draw_map(folder_ / "a.png", picture);
+  EXPECT_FALSE(draw_map(folder_ / "a.png", picture));
   ::setenv("PATH", path.c_str(), 1);
-  EXPECT_FALSE(is_drawn);
-  for (const char* name : {"a.gp", "a_shade.bin", "a_contours.txt"})
-    EXPECT_TRUE(std::filesystem::exists(folder_ / name));
-  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.png"));
+  EXPECT_EQ(number_of_files(), 0);
+}
+
+TEST_F(MapPictures, HaveHeightsOfContoursThatCanBeReadFromTheRight) {
+  // Contours that run from north to south lean to either side, by the wave or by rounding; their numbers never stand on
+  // their heads, and those of nearly vertical lines all read upwards.
+  PlanRaster heights = PlanRaster::of({0, 0}, 5, 120, 80);
+  for (int row = 0; row < heights.rows; ++row)
+    for (int column = 0; column < heights.columns; ++column) {
+      const Vec<2> x = heights.middle(column, row);
+      heights.at(column, row) = 900 - 0.4 * x[0] + 0.6 * std::cos(x[1] / 40);
+    }
+  const Terrain ground(heights);
+  MapPicture picture;
+  picture.ground = &ground;
+  write_map_script(folder_, "a", picture);
+  std::istringstream labels(contents_of(folder_ / "a_heights.txt"));
+  std::string line;
+  int n = 0;
+  while (std::getline(labels, line)) {
+    if (line[0] == '#') continue;
+    const double angle = std::strtod(line.c_str() + line.rfind(' '), nullptr);
+    EXPECT_NEAR(angle, 90, 10.01) << line;
+    ++n;
+  }
+  EXPECT_GE(n, 4);
 }
 
 TEST(MapNumbers, HaveTheirDigitsInGroupsOfThree) {

@@ -369,21 +369,32 @@ void check_apart(Section& s, const SurfaceLayer& layer, const Case& case_) {
             other.name, on_map(*place, case_.map->frame)));
 }
 
-/// Shows volume, area and mean thickness.
-void note_size(Section& s, const SurfaceLayer& layer, const PlanRaster& covered) {
+/// Shows volume, area and mean thickness. A thickness that was measured has two readings, `normal` or vertical, with
+/// volumes that differ by the cosine of the slope: both are shown, the one that is used first.
+void note_size(Section& s, const SurfaceLayer& layer, const PlanRaster& covered, bool normal) {
   const PlanRaster& t = layer.thickness;
   const double pixel_area = t.pixel * t.pixel;
-  double upright = 0, across = 0, area = 0, slope = 0;
+  double upright = 0, across = 0, other = 0, area = 0, slope = 0;
   for_each_pixel(t, [&](int column, int row) {
     if (!(t.at(column, row) > 0)) return;
     const Vec<2> at = t.middle(column, row);
     upright += t.at(column, row) * pixel_area;
     const double cosine = layer.base->at(at[0], at[1]).cosine(), covered_here = covered.at(column, row) * pixel_area;
     across += t.at(column, row) * cosine * pixel_area;
+    other += t.at(column, row) * (normal ? cosine : 1 / cosine) * pixel_area;
     area += covered_here;
     slope += std::acos(std::min(cosine, 1.0)) * covered_here;
   });
-  s.note("volume", fmt::format("{:.6g} m3", upright), "area in plan times vertical thickness");
+  if (s.has("top")) {
+    s.note("volume", fmt::format("{:.6g} m3", upright), "released: between the surfaces");
+  } else {
+    const char *used = normal ? "normal to the ground" : "vertical",
+               *not_used = normal ? "vertical" : "normal to the ground";
+    s.note("volume", fmt::format("{:.6g} m3", upright),
+           fmt::format("released: thickness is {}, as `measured` states", used));
+    s.note(normal ? "volume_if_vertical" : "volume_if_normal", fmt::format("{:.6g} m3", other),
+           fmt::format("not used: the volume if the same thickness were {}", not_used));
+  }
   s.note("area", fmt::format("{:.6g} m2", area), "in plan");
   s.note("mean_thickness",
          fmt::format("{:.3g} m vertical, {:.3g} m normal to the ground", upright / area, across / area),
@@ -423,7 +434,7 @@ Region read_release(Section& s, Case& case_, const std::string& folder, double s
   }
   const SurfaceLayer layer{release.base, std::move(upright.thickness)};
   check_apart(s, layer, case_);
-  note_size(s, layer, upright.covered);
+  note_size(s, layer, upright.covered, release.normal);
   return layer;
 }
 

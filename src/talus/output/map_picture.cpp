@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "talus/base/file.hpp"
 #include "talus/output/plot.hpp"
@@ -125,8 +126,8 @@ struct ContourLabel {
 /// A picture and where its parts lie [pixels, from the lower left corner].
 class MapPage {
  public:
-  MapPage(const std::filesystem::path& png, const MapPicture& picture)
-      : folder_(png.parent_path()), name_(png.stem().string()), picture_(picture), release_(release_lines(picture)) {
+  MapPage(std::filesystem::path folder, std::string name, const MapPicture& picture)
+      : folder_(std::move(folder)), name_(std::move(name)), picture_(picture), release_(release_lines(picture)) {
     view_ = part_to_show(picture, release_);
     const double dx = view_.high[0] - view_.low[0], dy = view_.high[1] - view_.low[1];
     tic_step_ = round_length(250 * std::max(dx / 950, dy / most_map_height));
@@ -146,7 +147,8 @@ class MapPage {
     }
   }
 
-  bool draw() {
+  /// Returns the script.
+  std::filesystem::path write() {
     write_shade();
     add_head();
     add_axes();
@@ -159,7 +161,7 @@ class MapPage {
     std::string plots;
     for (const std::string& plot : plots_) plots += (plots.empty() ? "plot " : ", \\\n     ") + plot;
     write_whole(script, script_ + plots + "\n");
-    return run_gnuplot(script);
+    return script;
   }
 
  private:
@@ -386,8 +388,9 @@ class MapPage {
       });
       if (!is_free) continue;
       double angle = std::atan2(b[1] - a[1], b[0] - a[0]) * 180 / std::numbers::pi;
-      if (angle > 90) angle -= 180;
-      if (angle <= -90) angle += 180;
+      // From bottom to top on all lines that are nearly vertical, whichever way they lean.
+      if (angle > 100) angle -= 180;
+      if (angle <= -80) angle += 180;
       labels_.push_back({middle, angle, height});
       gaps.push_back(c.gap);
     }
@@ -614,9 +617,18 @@ std::string grouped(double value, int decimals) {
   return (value < 0 && !is_zero ? "-" : "") + digits;
 }
 
-bool draw_map(const std::filesystem::path& png, const MapPicture& picture) {
+std::filesystem::path write_map_script(const std::filesystem::path& folder, const std::string& name,
+                                       const MapPicture& picture) {
   assert(picture.ground);
-  return MapPage(png, picture).draw();
+  return MapPage(folder, name, picture).write();
+}
+
+bool draw_map(const std::filesystem::path& png, const MapPicture& picture) {
+  const std::string name = png.stem().string();
+  const DrawingFolder folder(png);
+  if (!run_gnuplot(write_map_script(folder.path(), name, picture))) return false;
+  std::filesystem::rename(folder.path() / (name + ".png"), png);
+  return true;
 }
 
 }  // namespace talus

@@ -46,8 +46,13 @@ struct MapPicture {
   std::optional<PlanBox> view;
 };
 
-/// Draws NAME.png, 1400 pixels wide at most, with its script NAME.gp and its data NAME_*.bin and NAME_*.txt beside it.
-/// False if gnuplot is not installed; throws std::runtime_error if it fails or a file cannot be written.
+/// Writes the script NAME.gp that draws NAME.png, and its data NAME_*.bin and NAME_*.txt, into a folder. Returns the script.
+/// Throws std::runtime_error if a file cannot be written.
+std::filesystem::path write_map_script(const std::filesystem::path& folder, const std::string& name,
+                                       const MapPicture& picture);
+
+/// Draws a picture, 1400 pixels wide at most; leaves no other file. False if gnuplot is not installed; throws
+/// std::runtime_error if it fails or a file cannot be written.
 bool draw_map(const std::filesystem::path& png, const MapPicture& picture);
 
 /// A number with its digits in groups of three, as on maps: "1 234 500".

@@ -50,6 +50,16 @@ bool run_gnuplot(const std::filesystem::path& script) {
   return true;
 }
 
+DrawingFolder::DrawingFolder(const std::filesystem::path& picture)
+    : path_(picture.parent_path() / ("." + picture.stem().string() + ".drawing")) {
+  std::filesystem::create_directories(path_);
+}
+
+DrawingFolder::~DrawingFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
+}
+
 bool gnuplot_is_installed() {
   std::string program = "gnuplot", option = "--version";
   char* arguments[] = {program.data(), option.data(), nullptr};

@@ -13,6 +13,19 @@ bool run_gnuplot(const std::filesystem::path& script);
 
 bool gnuplot_is_installed();
 
+/// A folder beside a picture for the script and the data that draw it; it is removed with them in the end.
+class DrawingFolder {
+ public:
+  explicit DrawingFolder(const std::filesystem::path& picture);
+  ~DrawingFolder();
+  DrawingFolder(const DrawingFolder&) = delete;
+  DrawingFolder& operator=(const DrawingFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 /// Colours from dark to bright that can be distinguished equally well along the whole scale, also in grey (viridis,
 /// sampled), as a gnuplot palette.
 std::string even_palette();

@@ -222,6 +222,7 @@ std::optional<Picture> ThalwegProfile::draw(const std::filesystem::path& png, co
   const ProfileView view(s_min, s_max, lowest, highest, thickest);
 
   const std::string name = png.stem().string();
+  const DrawingFolder folder(png);
   std::string script = fmt::format(
       "set terminal pngcairo noenhanced size {},{} font 'sans,13' background '#ffffff'\nset output {}\n"
       "set encoding utf8\nset datafile separator ','\n"
@@ -247,7 +248,7 @@ std::optional<Picture> ThalwegProfile::draw(const std::filesystem::path& png, co
                                view.exaggeration > 0.995 && view.exaggeration < 1.005
                                    ? "heights and lengths in the same scale"
                                    : fmt::format("heights {:.2g} times the scale of lengths", view.exaggeration))));
-  const std::string data = gnuplot_text(std::filesystem::relative(csv, png.parent_path()).string());
+  const std::string data = gnuplot_text(std::filesystem::relative(csv, folder.path()).string());
   const auto area = [&](int column, const char* words, const char* colour, double opacity) {
     return fmt::format(
         "{} every ::1 using 1:4:(${} > 0 ? $4+{}*${} : $4) with filledcurves fs transparent solid {} noborder lc '{}' "
@@ -271,9 +272,10 @@ std::optional<Picture> ThalwegProfile::draw(const std::filesystem::path& png, co
   script += fmt::format("{} every ::1 using 1:4 with lines lw 2.5 lc '#222222' title 'ground'\n", data);
   if (run)
     script += fmt::format("{:.10g},{:.10g}\n{:.10g},{:.10g}\ne\n", run->release, run->top, run->runout, run->foot);
-  const std::filesystem::path file = png.parent_path() / (name + ".gp");
+  const std::filesystem::path file = folder.path() / (name + ".gp");
   write_whole(file, script);
   if (!run_gnuplot(file)) return std::nullopt;
+  std::filesystem::rename(folder.path() / (name + ".png"), png);
   return Picture{png, view.times == 1 ? "Profile along the thalweg"
                                       : fmt::format("Profile along the thalweg; thickness is drawn {} times the scale "
                                                     "of heights",
