@@ -36,7 +36,8 @@ TEST_F(ALandslide, LeavesMapsThatHoldAllOfItsVolume) {
   EXPECT_GT(drop, 20);
   EXPECT_LT(speed, std::sqrt(2 * 9.81 * 150));  // of a free fall by the slope's height
   int n = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "out" / "maps")) n += entry.path().extension() == ".asc";
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "out" / "maps"))
+    n += entry.path().extension() == ".asc";
   EXPECT_EQ(n, 9);  // seven of the whole run, thickness and speed at the one instant of a picture
   EXPECT_TRUE(has(contents(folder_ / "out" / "report.html"), "area where flow has been"));
 }
@@ -46,9 +47,10 @@ TEST_F(ALandslide, StoppedAndResumedHasTheSameMaps) {
   ASSERT_EQ(run("parts", "--until \"1 s\"").code, 0);
   ASSERT_EQ(run("parts", "--until \"2 s\" --resume --threads 1").code, 0);
   int n = 0;
-  for (const auto& entry : fs::directory_iterator(folder_ / "whole" / "maps"))
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "whole" / "maps"))
     if (entry.path().extension() == ".asc") {
-      EXPECT_EQ(contents(entry.path()), contents(folder_ / "parts" / "maps" / entry.path().filename())) << entry;
+      EXPECT_EQ(contents(entry.path()), contents(folder_ / "parts" / fs::relative(entry.path(), folder_ / "whole")))
+          << entry;
       ++n;
     }
   EXPECT_EQ(n, 9);

@@ -10,6 +10,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -187,6 +188,15 @@ TEST_F(AsciiRaster, LargeOnesAreRefusedBeforeTheyAreRead) {
   EXPECT_SAYS(read_geo_raster(file), "gdal_translate -projwin");
 }
 
+TEST_F(AsciiRaster, BytesOfZeroEndIt) {
+  // What an interrupted download leaves: the file has its full size, and a line without an end. Reading stops at once.
+  const std::string file = write("b.asc", plain());
+  fs::resize_file(file, most_geodata_bytes - 1);  // takes no room on the disk
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_SAYS(read_geo_raster(file), "b.asc:9: a byte of zero, which no text has; the file is damaged or incomplete");
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+}
+
 TEST_F(AsciiRaster, OtherFilesAreRefused) {
   EXPECT_SAYS(read_geo_raster(path("b.asc")), "b.asc: no such file");
   EXPECT_SAYS(read_geo_raster(folder_.string()), "is a folder");
@@ -305,6 +315,21 @@ TEST_F(GeoTiff, NoDataIsNone) {
     EXPECT_FALSE(r.has(1, 1));
     EXPECT_EQ(r.at(0, 0), 4);
   }
+}
+
+TEST_F(GeoTiff, AnUnstatedMarkOfNoDataIsNoHeight) {
+  const auto marked = [&](double stated) {
+    return make("a.tif", utm32, north_up, [&](GDALDataset& data) {
+      put(data, 1, 0, -9999);
+      if (stated != 0) data.GetRasterBand(1)->SetNoDataValue(stated);
+    });
+  };
+  EXPECT_SAYS(read_geo_raster(marked(0), 1, RasterContent::heights),
+              "holds -9999 in column 2, row 1 from the north, and does not state what marks places without data; state "
+              "it: gdal_edit.py -a_nodata -9999");
+  EXPECT_FALSE(read_geo_raster(marked(-9999), 1, RasterContent::heights).raster.has(1, 1));
+  // The sea is that deep where the file has another mark.
+  EXPECT_EQ(read_geo_raster(marked(-32768), 1, RasterContent::heights).raster.at(1, 1), -9999);
 }
 
 TEST_F(GeoTiff, AMaskAndAScaleCount) {

@@ -249,7 +249,8 @@ TEST_F(TerrainCase, TakesItsProjectionFromWhicheverStatesIt) {
   const CaseFile stated = read(text_of(drawn, R"(projection = "EPSG:25832")"));
   EXPECT_NE(shown(stated, "terrain.projection").find("EPSG:25832"), std::string::npos);
   expect_refused(text_of(drawn, R"(projection = "EPSG:31254")"),
-                 "body.slide.release.polygons = \"release.geojson\" is in", "bring all files into one projection");
+                 "body.slide.release.polygons = \"release.geojson\" is in",
+                 "bring all files into one projection with ogr2ogr -t_srs");
   expect_refused(text_of(drawn, R"(projection = "EPSG:4326")"), "terrain.projection", "not in metres");
   expect_refused(text_of(drawn, R"(projection = "UTM")"), "terrain.projection = \"UTM\" cannot be used", "");
 }
@@ -455,7 +456,9 @@ TEST_F(TerrainCase, RefusesReleasesBesideTheTerrain) {
                          "(600100, 5200080)");
   write_raster("dem.asc", [](double x, double y) { return x < 25 && y < 25 ? -9999 : ground(x, y); });
   write_polygons("release.geojson", {{square(20, 20, 40, 50)}});
-  expect_release_refused(drawn, "lies where the terrain has no data, at (600021, 5200021)");
+  expect_release_refused(drawn,
+                         "lies where the terrain has no data, at (600021, 5200021); move its outline, or fill the "
+                         "raster: gdal_fillnodata.py");
 }
 
 TEST_F(TerrainCase, RefusesRastersWithoutNumbersInTheRelease) {
@@ -498,7 +501,8 @@ TEST_F(TerrainCase, RefusesKeysThatDoNotGoTogether) {
   expect_release_refused(
       R"(polygons = "release.geojson", thickness = "4 m", attribute = "thickness", unit = "m", measured = "normal")",
       one);
-  expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m")", "`measured` is missing");
+  expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m")",
+                         "`measured` is missing: how thickness is measured; write `normal` or `vertical`");
   expect_release_refused(R"(polygons = "release.geojson", thickness = "4 m", measured = "normal", unit = "m")",
                          "goes with `attribute`, `raster` or `top` only", "body.slide.release.unit");
   expect_release_refused(R"(polygons = "release.geojson", attribute = "thickness", measured = "normal")",

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <istream>
 #include <map>
 #include <optional>
 #include <stdexcept>
@@ -48,6 +49,24 @@ std::string plain(std::string_view word) {
   for (char c : word)
     if (c != '_' && c != '-' && c != ':') key += char(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   return key;
+}
+
+/// Reads a line as std::getline does, but only to the first byte of zero: a file of such bytes, as a download that was
+/// interrupted leaves, has one line without an end.
+bool read_line(std::istream& in, std::string& line) {
+  line.clear();
+  std::streambuf& bytes = *in.rdbuf();
+  try {
+    for (int c = bytes.sbumpc(); c != std::char_traits<char>::eof(); c = bytes.sbumpc()) {
+      if (c == '\n') return true;
+      line.push_back(char(c));
+      if (c == 0) return true;
+    }
+  } catch (const std::ios_base::failure&) {  // where the disk fails
+    in.setstate(std::ios::badbit);
+    return false;
+  }
+  return !line.empty();
 }
 
 /// The header of a raster, and where in its text values begin.
@@ -164,7 +183,10 @@ PlanRaster read_ascii_raster(const std::string& path) {
   std::size_t expected = 0;
   bool in_header = true;
   std::string text;
-  for (int number = 1; std::getline(in, text); ++number) {
+  for (int number = 1; read_line(in, text); ++number) {
+    if (!text.empty() && text.back() == '\0')
+      throw std::runtime_error(
+          fmt::format("{}:{}: a byte of zero, which no text has; the file is damaged or incomplete", path, number));
     std::string_view line = text;
     if (number == 1 && line.substr(0, 3) == byte_order_mark) line.remove_prefix(3);
     if (in_header && header.accept(line, number)) continue;

@@ -117,6 +117,19 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
   }
 }
 
+/// Throws if a height is the customary mark of no data, and the file states none: it would be a shaft 10 km deep.
+void expect_no_unstated_mark(const PlanRaster& raster, const std::string& path) {
+  constexpr double mark = -9999;
+  const auto found = std::find(raster.values.begin(), raster.values.end(), mark);
+  if (found == raster.values.end()) return;
+  const auto index = found - raster.values.begin();
+  const int column = int(index % raster.columns), row = int(index / raster.columns);
+  throw std::runtime_error(
+      fmt::format("{} holds {} in column {}, row {} from the north, and does not state what marks places without data; "
+                  "state it: gdal_edit.py -a_nodata {} IN, or another number if this is a height",
+                  path, mark, column + 1, raster.rows - row, mark));
+}
+
 bool is_length(RasterContent content) { return content == RasterContent::any || content == RasterContent::heights; }
 
 GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterContent content) {
@@ -152,6 +165,9 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterC
     expect_units(band, OGRSpatialReference(), metres_per_unit, path);
   }
   read_values(band, path, down, read.raster, library);
+  int states_no_data = 0;
+  band.GetNoDataValue(&states_no_data);
+  if (content == RasterContent::heights && !states_no_data) expect_no_unstated_mark(read.raster, path);
   return read;
 }
 

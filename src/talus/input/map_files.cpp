@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <type_traits>
 
 #include "talus/base/units.hpp"
 
@@ -13,8 +14,9 @@ namespace {
 template <class Data>
 bool bring_in(Section& s, std::string_view key, const std::string& its_projection, MapFrame& frame, Data& data) {
   if (!same_projection(frame.projection, its_projection)) {
-    s.complain(key, fmt::format("is in {}, the terrain in {}: bring all files into one projection",
-                                name_of_projection(its_projection), name_of_projection(frame.projection)));
+    const char* program = std::is_same_v<Data, PlanRaster> ? "gdalwarp" : "ogr2ogr";
+    s.complain(key, fmt::format("is in {}, the terrain in {}: bring all files into one projection with {} -t_srs",
+                                name_of_projection(its_projection), name_of_projection(frame.projection), program));
     return false;
   }
   if (frame.projection.empty() && !its_projection.empty()) {

@@ -327,7 +327,9 @@ std::string fault_of(const Layer& layer, const Terrain& base, const MapOfCase& m
   if (!beside) return fault_of_base(t, base, map);
   const Vec<2> at = t.middle((*beside)[0], (*beside)[1]);
   if (heights.has_pixel(heights.column_of(at[0]), heights.row_of(at[1])))
-    return fmt::format("lies where the terrain has no data, at {}", on_map(at, map.frame));
+    return fmt::format(
+        "lies where the terrain has no data, at {}; move its outline, or fill the raster: gdal_fillnodata.py IN OUT",
+        on_map(at, map.frame));
   return fmt::format("lies outside the terrain at {}; the terrain reaches from {} to {}", on_map(at, map.frame),
                      on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
 }

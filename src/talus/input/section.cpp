@@ -11,6 +11,17 @@
 
 namespace talus {
 
+namespace {
+
+/// What an option means, and the words that it may have.
+std::string with_words(const Option& option) {
+  std::vector<std::string_view> words;
+  for (const Choice& c : option.choices) words.push_back(c.word);
+  return fmt::format("{}; write {}", option.meaning, any_of(words));
+}
+
+}  // namespace
+
 std::string as_written(const toml::node& node) {
   std::ostringstream out;
   if (node.is_string())
@@ -163,12 +174,12 @@ int Section::choice(const Option& option, int by_default) {
 
 int Section::required_choice(const Option& option) {
   expect_declared(option.key, Holds::word, false);
-  return require(option.key, option.meaning) ? read_choice(option, 0) : 0;
+  return require(option.key, with_words(option)) ? read_choice(option, 0) : 0;
 }
 
 std::optional<int> Section::deciding_choice(const Option& option) {
   expect_declared(option.key, Holds::word, false);
-  if (!require(option.key, option.meaning)) return std::nullopt;
+  if (!require(option.key, with_words(option))) return std::nullopt;
   const auto word = table_->get(option.key)->value<std::string_view>();
   const int chosen = read_choice(option, 0);
   if (word && option.choices[std::size_t(chosen)].word == *word) return chosen;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "talus/base/units.hpp"
@@ -28,10 +29,10 @@ std::string surface_in_words(const Wall& surface) {
 
 std::string length(double x) { return with_unit(x, "m"); }
 
-/// Length of the sides of a box: "2 m x 1 m".
+/// Length of the sides of a box, to five digits: "2 m x 1 m".
 std::string size_of(const Box& box, int dim) {
   std::vector<std::string> sides;
-  for (int a = 0; a < dim; ++a) sides.push_back(length(box.max[a] - box.min[a]));
+  for (int a = 0; a < dim; ++a) sides.push_back(length(std::stod(fmt::format("{:.5g}", box.max[a] - box.min[a]))));
   return fmt::format("{}", fmt::join(sides, " x "));
 }
 

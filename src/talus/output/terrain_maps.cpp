@@ -194,18 +194,21 @@ void TerrainMaps::write_frame(double time, const FlowMap& map) {
   list_frames();
 }
 
-void TerrainMaps::write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
-                                  const std::string& meaning) const {
+void TerrainMaps::write_raster_of(const fs::path& folder, const std::string& what, const PlanRaster& raster,
+                                  const std::string& unit, const std::string& meaning) const {
   const bool tiff = case_.map->geotiff;
-  write_raster(folder_ / fmt::format("{}_{}.{}", name_, what, tiff ? "tif" : "asc"), raster, case_.map->frame,
+  write_raster(folder / fmt::format("{}_{}.{}", name_, what, tiff ? "tif" : "asc"), raster, case_.map->frame,
                tiff ? RasterFormat::geotiff : RasterFormat::asc, unit, meaning);
 }
 
 void TerrainMaps::write_instant(double time, const FlowPoints& points) {
   const FlowMap map = maps_->now(points);
-  const std::string at = fmt::format("t{:07.1f}", time);
-  write_raster_of("thickness_" + at, map.thickness, "m", "Thickness normal to the ground");
-  write_raster_of("speed_" + at, map.speed, "m/s", "Speed");
+  const std::string at = name_of_instant(case_, time);
+  // In a folder of their own: AIMEC takes every raster beside the peaks for a result of a simulation.
+  const fs::path instants = folder_ / "instants";
+  fs::create_directories(instants);
+  write_raster_of(instants, "thickness_" + at, map.thickness, "m", "Thickness normal to the ground");
+  write_raster_of(instants, "speed_" + at, map.speed, "m/s", "Speed");
   if (profile_) profile_->add(time, map);
 }
 
@@ -277,14 +280,14 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
       {"deposit", "Thickness at the end", "m", end.thickness, least},
       {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, MapScale::about_zero}};
   for (const Map& map : all) {
-    write_raster_of(map.what, map.values, map.unit, map.words);
+    write_raster_of(folder_, map.what, map.values, map.unit, map.words);
     MapPicture picture = picture_of(case_);
     picture.layer = MapLayer{map.values, map.words, map.unit, map.hidden_to, map.scale};
     picture.notes = {fmt::format("until {:.1f} s", time)};
     const fs::path png = folder_ / fmt::format("{}.png", map.what);
     if (draw_map(png, picture)) result.pictures.push_back({png, fmt::format("{} [{}]", map.words, map.unit)});
   }
-  write_raster_of("depositvertical", end.vertical_thickness, "m", "Vertical thickness at the end");
+  write_raster_of(folder_, "depositvertical", end.vertical_thickness, "m", "Vertical thickness at the end");
   result.runout = runout(end);
   if (!profile_) return result;
   const PlanRaster release = release_of(case_);

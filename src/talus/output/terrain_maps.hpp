@@ -93,8 +93,8 @@ class TerrainMaps {
   void list_frames() const;
   Runout runout(const FlowMap& end) const;
   PlanRaster change_of_surface(const FlowMap& end);
-  void write_raster_of(const std::string& what, const PlanRaster& raster, const std::string& unit,
-                       const std::string& meaning) const;
+  void write_raster_of(const std::filesystem::path& folder, const std::string& what, const PlanRaster& raster,
+                       const std::string& unit, const std::string& meaning) const;
 
   std::filesystem::path folder_;
   const Case& case_;

@@ -8,12 +8,25 @@
 #include <stdexcept>
 
 #include "talus/base/file.hpp"
+#include "talus/case/defaults.hpp"
 #include "talus/output/map_picture.hpp"
 #include "talus/output/plot.hpp"
 
 namespace talus {
 
 double ThalwegRunout::angle() const { return length > 0 ? std::atan2(drop(), length) * 180 / std::numbers::pi : 0; }
+
+std::string name_of_instant(const Case& case_, double time) {
+  std::vector<double> instants = case_.output.pictures ? *case_.output.pictures : default_pictures(case_);
+  std::ranges::sort(instants);
+  double apart = INFINITY;
+  for (std::size_t i = 1; i < instants.size(); ++i)
+    if (const double between = instants[i] - instants[i - 1]; between > 0) apart = std::min(apart, between);
+  constexpr int most_decimals = 9;
+  int decimals = 1;
+  while (decimals < most_decimals && 2 * std::pow(0.1, decimals) > apart * (1 + 1e-9)) ++decimals;
+  return fmt::format("t{:0{}.{}f}", time, 6 + decimals, decimals);
+}
 
 ThalwegProfile::ThalwegProfile(const Case& case_, const PlanRaster& pixels, std::span<const double> state)
     : case_(case_), path_(case_.thalweg->points) {
@@ -160,7 +173,7 @@ void ThalwegProfile::write(const std::filesystem::path& csv, const FlowMaps& map
   add("arrival [s]", across(maps.arrival(), true));
   add("deposit_thickness [m]", across(end.thickness));
   for (const Instant& instant : instants_) {
-    const std::string at = fmt::format("t{:07.1f}", instant.time);
+    const std::string at = name_of_instant(case_, instant.time);
     std::vector<double> surface = instant.vertical_thickness;
     for (std::size_t i = 0; i < surface.size(); ++i) surface[i] += stations_[i].ground;
     add("surface_" + at + " [m]", std::move(surface));

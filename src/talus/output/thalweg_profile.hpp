@@ -35,6 +35,10 @@ struct ThalwegRunout {
   double angle() const;  ///< of reach [degrees]
 };
 
+/// What files and columns of an instant [s] have in their names: t00012.0. Decimals are as many as tell the instants of
+/// `output.pictures` apart, at least one.
+std::string name_of_instant(const Case& case_, double time);
+
 /// Collects the flow along the thalweg of a case during a run.
 class ThalwegProfile {
  public:

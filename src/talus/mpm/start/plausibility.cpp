@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <string>
 #include <utility>
 
 #include "talus/base/units.hpp"
@@ -108,6 +109,26 @@ bool floats(const BodySpec& body, const Case& case_) {
   return true;
 }
 
+/// A layer less than half as thick as its particles are apart: each of them is a flat plate, and maps show little of it.
+void doubt_thin_layer(std::vector<std::string>& doubts, const BodySpec& body) {
+  const auto* layer = std::get_if<SurfaceLayer>(&body.region);
+  if (!layer) return;
+  double sum = 0;
+  std::size_t pixels = 0;
+  for (const double t : layer->thickness.values)
+    if (t > 0) {
+      sum += t;
+      ++pixels;
+    }
+  if (pixels == 0) return;
+  const double mean = sum / double(pixels);
+  if (mean >= 0.5 * body.spacing) return;
+  doubts.push_back(fmt::format(
+      "body.{}.release is {} thick on average (vertical), less than half the `spacing` of its particles, {}: neither "
+      "thickness nor speed is resolved. Use a `spacing` of at most half the thickness, and a `cell` of twice that.",
+      body.name, with_unit(std::stod(fmt::format("{:.3g}", mean)), "m"), with_unit(body.spacing, "m")));
+}
+
 }  // namespace
 
 std::vector<std::string> doubts_about(const Case& case_) {
@@ -115,6 +136,7 @@ std::vector<std::string> doubts_about(const Case& case_) {
   doubt_gravity(doubts, case_);
   doubt_surfaces(doubts, case_);
   for (const Material& material : case_.materials) doubt_material(doubts, material);
+  for (const BodySpec& body : case_.bodies) doubt_thin_layer(doubts, body);
   for (const BodySpec& body : case_.bodies)
     if (body.initial_stress == InitialStress::k0 && floats(body, case_))
       doubts.push_back(
