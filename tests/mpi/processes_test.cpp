@@ -288,6 +288,7 @@ TEST_F(Processes, KilledAtRandomEndAndGoOnWithTheSameBits) {
   const char* asked = std::getenv("TALUS_KILLS_OF_PROCESSES");
   const int kills = asked ? std::atoi(asked) : 3;
   double longest = 0;
+  int n_told = 0;
   for (int k = 0; k < kills; ++k) {
     if (fs::exists(in("out/report.html"))) fs::remove_all(in("out"));
     const int n = 2 + int(random() % 3);
@@ -305,18 +306,21 @@ TEST_F(Processes, KilledAtRandomEndAndGoOnWithTheSameBits) {
     const std::size_t victim = random() % processes.size();
     ::kill(processes[victim], SIGKILL);
     const Finished end = run.wait();
-    if (end.code == 0) continue;
+    if (end.code == 0 || fs::exists(in("out/report.html"))) continue;  // it had all its results
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     longest = std::max(longest, seconds);
     EXPECT_LT(seconds, 30);
-    EXPECT_TRUE(has(end.output, "was killed or has crashed; the run has ended. Resume it with\n  mpirun -n "))
+    // mpirun does not always pass on what is printed after a process has died, but then says itself which one has.
+    const bool is_told = has(end.output, "was killed or has crashed; the run has ended. Resume it with\n  mpirun -n ");
+    n_told += is_told;
+    EXPECT_TRUE(is_told || has(end.output, "exited on signal 9 (Killed)"))
         << "process " << victim << " of " << n << ":\n"
         << end.output;
   }
   const Finished last = on(2, "run " + file + " --resume --threads 1 --out " + in("out"));
   ASSERT_EQ(last.code, 0) << last.output;
   EXPECT_EQ(difference(in("one"), in("out")), "") << last.output;
-  std::printf("%d kills; the run ended within %.2f s\n", kills, longest);
+  std::printf("%d kills; the run ended within %.2f s, %d times with its last words\n", kills, longest, n_told);
 }
 
 }  // namespace processes_test

@@ -35,8 +35,12 @@ std::string namespace_of_processes() {
   return boot + container;
 }
 
+std::atomic<bool> asked_to_end = false;
+void note_request_to_end(int) { asked_to_end = true; }
+
 /// Looks a hundred times a second whether processes of this machine are still there. If one is not, the first one left
-/// prints the last words, and all end: nobody may wait for the dead.
+/// prints the last words, and all end: nobody may wait for the dead. mpirun, too, ends all with SIGTERM then, maybe earlier
+/// than this one has looked; so where nothing else handles the signal, it ends the process a tenth of a second later.
 class Watch {
  public:
   struct Process {
@@ -47,12 +51,19 @@ class Watch {
   void start(int own, std::vector<Process> on_this_machine) {
     own_ = own;
     processes_ = std::move(on_this_machine);
+    struct sigaction note {};
+    note.sa_handler = note_request_to_end;
+    note.sa_flags = SA_RESTART;
+    sigaction(SIGTERM, &note, &before_);
     thread_ = std::thread([this] { watch(); });
   }
   ~Watch() { stop(); }
   void stop() {
     stopped_ = true;
-    if (thread_.joinable()) thread_.join();
+    if (!thread_.joinable()) return;
+    thread_.join();
+    sigaction(SIGTERM, &before_, nullptr);
+    if (asked_to_end) ::raise(SIGTERM);
   }
   void set_last_words(const std::string& text) {
     const std::lock_guard lock(mutex_);
@@ -63,21 +74,27 @@ class Watch {
   static bool is_gone(const Process& p) { return ::kill(p.pid, 0) != 0 && errno == ESRCH; }
 
   void watch() {
-    while (!stopped_) {
+    for (int rounds_since_request = 0; !stopped_;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));  // mpirun soon stops passing on what processes print
       const auto gone = std::find_if(processes_.begin(), processes_.end(), is_gone);
       if (gone != processes_.end() && !stopped_) end_after(gone->number);
+      if (asked_to_end && ++rounds_since_request == 10) {
+        sigaction(SIGTERM, &before_, nullptr);
+        ::kill(::getpid(), SIGTERM);
+      }
     }
   }
   [[noreturn]] void end_after(int number) {
+    ::signal(SIGTERM, SIG_IGN);  // of mpirun, which a second later ends what is left
     const auto first = std::find_if_not(processes_.begin(), processes_.end(), is_gone);
     if (first->number == own_) {
       const std::lock_guard lock(mutex_);
       const std::string text =
           "talus: process " + std::to_string(number) + " of the run was killed or has crashed" + last_words_ + "\n";
       if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(exit_code);
-      std::this_thread::sleep_for(std::chrono::milliseconds(500));  // until the others have seen that this one prints
     }
+    std::this_thread::sleep_for(
+        std::chrono::milliseconds(500));  // until the first one has printed, and others have seen it
     ::_exit(exit_code);
   }
 
@@ -85,6 +102,7 @@ class Watch {
 
   int own_ = 0;
   std::vector<Process> processes_;
+  struct sigaction before_ {};  ///< what SIGTERM did
   std::atomic<bool> stopped_ = false;
   std::mutex mutex_;
   std::string last_words_;
