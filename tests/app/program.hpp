@@ -2,6 +2,7 @@
 /// Runs talus as its users do.
 
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -31,6 +32,11 @@ inline Finished talus(const std::string& arguments, const std::string& environme
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, output};
 }
 inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+inline std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const std::size_t at = text.find(part);
+  EXPECT_NE(at, text.npos) << part;
+  return text.replace(at, part.size(), by);
+}
 inline std::string contents(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file).rdbuf();

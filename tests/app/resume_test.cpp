@@ -17,7 +17,7 @@
 namespace resume_test {
 
 namespace fs = std::filesystem;
-using program::contents, program::Finished, program::has, program::Running, program::talus;
+using program::contents, program::Finished, program::has, program::replaced, program::Running, program::talus;
 
 /// 400 particles that slump for about a thousand steps, with a checkpoint every few of them.
 const std::string slump = R"(title = "A small column slumps"
@@ -50,12 +50,6 @@ history = "1 ms"
 pictures = ["0 s", "0.1 s", "0.3 s"]
 checkpoints = "2 ms"
 )";
-
-std::string replaced(std::string text, const std::string& part, const std::string& by) {
-  const std::size_t at = text.find(part);
-  EXPECT_NE(at, text.npos) << part;
-  return text.replace(at, part.size(), by);
-}
 
 /// The files that hold what a run found out, by name.
 std::vector<std::string> data_in(const fs::path& folder) {

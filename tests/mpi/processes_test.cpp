@@ -17,7 +17,7 @@
 namespace processes_test {
 
 namespace fs = std::filesystem;
-using program::contents, program::Finished, program::has, program::talus;
+using program::contents, program::Finished, program::has, program::replaced, program::talus;
 
 /// A block of 400 particles that runs over three tiles in 60 ms: it leaves every process that it was dealt out to.
 const std::string runaway = R"(title = "A block runs away"
@@ -51,12 +51,6 @@ history = "1 ms"
 pictures = []
 checkpoints = "5 ms"
 )";
-
-std::string replaced(std::string text, const std::string& part, const std::string& by) {
-  const std::size_t at = text.find(part);
-  EXPECT_NE(at, text.npos) << part;
-  return text.replace(at, part.size(), by);
-}
 
 /// Three bodies of two laws; the first pushes the second, the third falls on both. Period: 20 tiles.
 std::string bodies_on_periodic_ground() {

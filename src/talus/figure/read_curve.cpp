@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "talus/base/text.hpp"
+#include "talus/input/edited_text.hpp"
 #include "talus/input/tables.hpp"
 
 namespace talus {
@@ -39,8 +40,7 @@ std::optional<NumberTable> read_measured(Section& curve, const std::string& fold
 std::string with_replaced(const fs::path& file, std::initializer_list<const toml::table*> replaced) {
   toml::table root = Document(file.string()).root();
   for (const toml::table* table : replaced) merge(root, *table);
-  make_paths_absolute(root, file.parent_path());
-  return as_text(root);
+  return with_absolute_paths(file.string(), as_text(root), file.parent_path().string());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "talus/base/error.hpp"
 #include "talus/base/text.hpp"
 #include "talus/input/reader.hpp"
+#include "talus/input/tables.hpp"
 
 namespace talus {
 
@@ -23,19 +24,8 @@ struct Stretch {
   std::size_t begin, end;
 };
 
-/// Where a position of the parser, which counts lines and characters from 1, is in a text.
-std::size_t byte_of(std::string_view text, const toml::source_position& at) {
-  std::size_t i = 0;
-  for (toml::source_index line = 1; line < at.line && i < text.size(); ++line)
-    i = std::min(text.find('\n', i), text.size() - 1) + 1;
-  const auto continues = [&](std::size_t k) { return (static_cast<unsigned char>(text[k]) & 0xC0) == 0x80; };
-  for (toml::source_index column = 1; column < at.column && i < text.size(); ++column)
-    for (++i; i < text.size() && continues(i);) ++i;
-  return i;
-}
-
 Stretch stretch_of(std::string_view text, const toml::node& node) {
-  return {byte_of(text, node.source().begin), byte_of(text, node.source().end)};
+  return {offset_of(text, node.source().begin), offset_of(text, node.source().end)};
 }
 
 /// Calls visit(key, value) for every key of every table in a node.
@@ -94,23 +84,18 @@ std::string in_words(std::string_view toml_value) {
 }
 
 void expect_table_of(const Override& override_, const std::string& name, const std::string& text) {
-  const Document document(name, text);
-  const toml::node* node = &document.root();
   const std::vector<std::string>& path = override_.path;
-  for (std::size_t depth = 0; depth + 1 < path.size(); ++depth) {
-    const toml::table* table = node->as_table();
-    if (!table) return;
-    node = table->get(path[depth]);
-    if (node) continue;
-    // A section whose names the user gives, such as [material.NAME], holds nothing but tables.
-    if (depth != 1 || !table->is_homogeneous(toml::node_type::table)) return;
-    std::vector<std::string_view> names;
-    for (auto&& [key, value] : *table) names.push_back(key.str());
-    const std::string alike(most_alike(path[depth], names));
-    throw InputError(fmt::format(
-        "{}: {} has no `{}`; {}", override_.source, fmt::join(path.begin(), path.begin() + std::ptrdiff_t(depth), "."),
-        path[depth], alike.empty() ? "it has " + any_of(names, "and") : fmt::format("did you mean `{}`?", alike)));
-  }
+  if (path.size() < 3) return;
+  const Document document(name, text);
+  const toml::table* section = document.root().get_as<toml::table>(path[0]);
+  // A section whose names the user gives, such as [material.NAME], holds nothing but tables.
+  if (!section || section->contains(path[1]) || !section->is_homogeneous(toml::node_type::table)) return;
+  std::vector<std::string_view> names;
+  for (auto&& [key, value] : *section) names.push_back(key.str());
+  const std::string alike(most_alike(path[1], names));
+  throw InputError(
+      fmt::format("{}: {} has no `{}`; {}", override_.source, path[0], path[1],
+                  alike.empty() ? "it has " + any_of(names, "and") : fmt::format("did you mean `{}`?", alike)));
 }
 
 std::string without_key(const std::string& name, const std::string& text, const std::vector<std::string>& path) {
@@ -124,7 +109,7 @@ std::string without_key(const std::string& name, const std::string& text, const 
   if (table)
     for (auto&& [word, value] : *table) {
       if (word.str() != path.back()) continue;
-      const std::size_t begin = byte_of(text, word.source().begin), end = stretch_of(text, value).end,
+      const std::size_t begin = offset_of(text, word.source().begin), end = stretch_of(text, value).end,
                         line = begin == 0 ? 0 : text.rfind('\n', begin - 1) + 1,
                         next = std::min(text.find('\n', end), text.size() - 1) + 1;
       const std::string_view after = std::string_view(text).substr(end, next - end);

@@ -80,18 +80,6 @@ toml::node* child(toml::node& node, const std::string& part) {
 /// The value of an override, with its source.
 toml::table parsed_value(const Override& o) { return toml::parse("value = " + o.value, o.source); }
 
-/// A position in a text; toml++ counts lines and characters from 1.
-std::size_t offset_of(std::string_view text, const toml::source_position& at) {
-  std::size_t i = 0;
-  for (toml::source_index line = 1; line < at.line && i < text.size(); ++line)
-    i = std::min(text.find('\n', i), text.size() - 1) + 1;
-  for (toml::source_index column = 1; column < at.column && i < text.size(); ++column) {
-    ++i;
-    while (i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80) ++i;  // further bytes of UTF-8
-  }
-  return i;
-}
-
 std::string as_key(const std::string& part) {
   const bool is_bare =
       part.find_first_not_of("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-") == part.npos;
@@ -214,15 +202,15 @@ void merge(toml::table& into, const toml::table& over) {
   }
 }
 
-void make_paths_absolute(toml::table& table, const std::filesystem::path& folder) {
-  for (auto&& [key, value] : table) {
-    if (toml::table* inner = value.as_table()) make_paths_absolute(*inner, folder);
-    const std::string_view name = key.str();
-    if (name != "raster" && name != "polygons" && name != "top" && name != "file" && name != "projection") continue;
-    toml::value<std::string>* path = value.as_string();
-    if (path && std::filesystem::is_regular_file(folder / path->get()))
-      path->get() = std::filesystem::absolute(folder / path->get()).lexically_normal().string();
+std::size_t offset_of(std::string_view text, const toml::source_position& at) {
+  std::size_t i = 0;
+  for (toml::source_index line = 1; line < at.line && i < text.size(); ++line)
+    i = std::min(text.find('\n', i), text.size() - 1) + 1;
+  for (toml::source_index column = 1; column < at.column && i < text.size(); ++column) {
+    ++i;
+    while (i < text.size() && (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80) ++i;  // further bytes of UTF-8
   }
+  return i;
 }
 
 std::string as_text(const toml::table& table) {

@@ -3,8 +3,8 @@
 
 #include <toml++/toml.h>
 
-#include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "talus/input/overrides.hpp"
@@ -18,9 +18,8 @@ void apply(toml::table& root, const std::vector<Override>& overrides);
 /// Replaces what `over` names; tables are merged, everything else is replaced whole.
 void merge(toml::table& into, const toml::table& over);
 
-/// Makes the paths of files that a case names, and that exist relative to `folder`, absolute: the case is then read from
-/// another folder.
-void make_paths_absolute(toml::table& table, const std::filesystem::path& folder);
+/// A position in a text, in bytes; toml++ counts lines and characters from 1.
+std::size_t offset_of(std::string_view text, const toml::source_position& at);
 
 std::string as_text(const toml::table& table);
 
