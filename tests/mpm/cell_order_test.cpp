@@ -70,14 +70,15 @@ TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
   EXPECT_EQ(tiles.find({1, 0}), 2);
 }
 
-TEST(CellOrder, ParticlesAreSortedByTileThenByCellAndWithinOneTheyKeepTheirOrder) {
-  // Tile (0, 0): cell (0, 1) holds 3, cell (1, 0) holds 1 and 4; tile (1, 0): 0 and 2 in one cell.
+TEST(CellOrder, ParticlesAreSortedByTileThenByLineThenByCellAndWithinOneTheyKeepTheirOrder) {
+  // Tile (0, 0): the line up to y = 1/2 holds 4, the next one 1, the one from 3/2 on 3; tile (1, 0): 0 and 2 in one cell of a
+  // line.
   auto bodies = bodies_at({{{4.5, 0.5}, {1.5, 0.5}, {4.2, 0.9}, {0.5, 1.5}, {1.1, 0.1}}, {{5.5, 2.5}}});
   for (auto& body : bodies)
     for (int i = 0; i < body.particles.size(); ++i) body.particles.mass()[i] = 10 + body.particles.id()[i];
   const Domain<2> domain = unit_cells<2>(8);
   const auto ranges = sort_by_cell(bodies, domain, occupied_tiles(bodies, domain), *make_serial());
-  EXPECT_EQ(ids(bodies[0]), (std::vector<double>{1, 4, 3, 0, 2}));
+  EXPECT_EQ(ids(bodies[0]), (std::vector<double>{4, 1, 3, 0, 2}));
   for (int i = 0; i < 5; ++i)
     EXPECT_EQ(bodies[0].particles.mass()[i], 10 + bodies[0].particles.id()[i]) << "all columns";
   ASSERT_EQ(bodies[0].tiles.size(), 2u);

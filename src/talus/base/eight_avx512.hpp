@@ -62,4 +62,28 @@ inline void write_first(EightDoubles x, int count, double* column) {
   _mm512_mask_storeu_pd(column, first_lanes(count), x);
 }
 
+/// Numbers of lanes, one in each lane.
+typedef long long EightIndices __attribute__((vector_size(64)));
+inline EightIndices indices_of(EightDoubles x) {
+  return reinterpret_cast<EightIndices>(_mm512_maskz_cvttpd_epi64(all_eight, x));
+}
+inline EightDoubles pick(EightDoubles from, EightIndices lanes) {
+  return _mm512_maskz_permutexvar_pd(all_eight, reinterpret_cast<__m512i>(lanes), from);
+}
+inline void interleave(EightDoubles a, EightDoubles b, EightDoubles& even, EightDoubles& odd) {
+  even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+  odd = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+inline EightDoubles repeat_two(const double* two) { return _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two)); }
+inline EightDoubles four_twice(const double* four) {
+  const EightDoubles x = _mm512_maskz_broadcast_f64x4(all_eight, _mm256_load_pd(four));
+  return __builtin_shufflevector(x, x, 0, 0, 1, 1, 2, 2, 3, 3);
+}
+inline EightDoubles move_on(EightDoubles x, const double* two) {
+  const EightDoubles next = _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two));
+  return __builtin_shufflevector(x, next, 2, 3, 4, 5, 6, 7, 8, 9);
+}
+inline void write_two(EightDoubles x, double* two) { _mm_store_pd(two, __builtin_shufflevector(x, x, 0, 1)); }
+inline unsigned bits_of_masks(EightMasks m) { return m.bits; }
+
 }  // namespace talus

@@ -164,7 +164,25 @@ using PackDoubles = Two<EightDoubles>;
 #else
 using EightDoubles = Two<FourDoubles>;
 using PackDoubles = EightDoubles;
+using EightIndices = EightLanes;
+TALUS_HD inline EightDoubles repeat_two(const double* two) {
+  const FourDoubles x{two[0], two[1], two[0], two[1]};
+  return {x, x};
+}
+TALUS_HD inline EightDoubles move_on(EightDoubles x, const double* two) {
+  const FourDoubles next{two[0], two[1], two[0], two[1]};
+  return {shuffle<2, 3, 4, 5>(x.low, x.high), shuffle<2, 3, 4, 5>(x.high, next)};
+}
+TALUS_HD inline void write_two(EightDoubles x, double* two) {
+  two[0] = x[0];
+  two[1] = x[1];
+}
+TALUS_HD inline EightDoubles four_twice(const double* four) {
+  return {FourDoubles{four[0], four[0], four[1], four[1]}, FourDoubles{four[2], four[2], four[3], four[3]}};
+}
 #endif
+/// Whether eight numbers are one register.
+inline constexpr bool eight_in_a_register = lanes_in<PackDoubles> > lanes_in<EightDoubles>;
 /// Numbers of the widest pack of any build: rows that are read pack by pack are as much longer.
 inline constexpr int widest_pack = 16;
 

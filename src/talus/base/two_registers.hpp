@@ -139,4 +139,37 @@ TALUS_HD void write_first(Two<R> x, int count, double* column) {
   write_first(x.high, count - Two<R>::half, column + Two<R>::half);
 }
 
+/// Numbers of lanes, and what follows from them: in lanes at[i] of the other; lanes of a and b in turn, the even ones and the
+/// odd ones; two numbers four times; the lanes from the third on and two more numbers; each of four numbers twice. For eight lanes, in two registers as they stand in one.
+struct EightLanes {
+  int at[8];
+};
+template <class R>
+TALUS_HD EightLanes indices_of(Two<R> x) {
+  EightLanes lanes{};
+  for (int i = 0; i < 8; ++i) lanes.at[i] = int(x[i]);
+  return lanes;
+}
+template <class R>
+TALUS_HD Two<R> pick(Two<R> from, const EightLanes& lanes) {
+  Two<R> x{};
+  for (int i = 0; i < 8; ++i) set_number(x, i, from[lanes.at[i]]);
+  return x;
+}
+template <class R>
+TALUS_HD void interleave(Two<R> a, Two<R> b, Two<R>& even, Two<R>& odd) {
+  for (int i = 0; i < 8; i += 2) {
+    set_number(even, i, a[i]);
+    set_number(even, i + 1, b[i]);
+    set_number(odd, i, a[i + 1]);
+    set_number(odd, i + 1, b[i + 1]);
+  }
+}
+template <class M>
+TALUS_HD unsigned bits_of_masks(Two<M> m) {
+  unsigned bits = 0;
+  for (int i = 0; i < 8; ++i) bits |= unsigned(m[i] != 0) << i;
+  return bits;
+}
+
 }  // namespace talus

@@ -109,13 +109,15 @@ void wrap_periodic(Bodies& bodies, const Domain<Dim>& domain) {
           body.particles.position(a)[i] = domain.in_first_period(body.particles.position(a)[i], a);
 }
 
-/// Sorts the particles of all bodies stably by the given tiles and their cells, and sets the bodies' `tiles`. Particles of
-/// one cell stay in the order they had, so the result depends on nothing but their places. Returns the cells of each tile
-/// that hold particles.
+/// Sorts the particles of all bodies stably by the given tiles, in each by lines and by cells along them, and sets the
+/// bodies' `tiles`. Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of
+/// quadratic splines that particles of a line touch are the same across it (kernel/lines.hpp). Particles of one line and
+/// cell stay in the order they had, so the result depends on nothing but their places. Returns the cells of each tile that
+/// hold particles.
 template <int Dim, class Bodies>
 std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& domain, const OccupiedTiles<Dim>& occupied,
                                          Backend& backend) {
-  constexpr int n_cells = power(tile_edge, Dim);
+  constexpr int n_slots = tile_edge * power(tile_edge + 1, Dim - 1);
   const std::size_t n_tiles = occupied.places.size();
   CellRange<Dim> none;
   none.low.fill(tile_edge);
@@ -124,8 +126,8 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& doma
   for (auto& body : bodies) {
     Particles<Dim>& particles = body.particles;
     const int n = particles.size();
-    std::vector<int> slot(n);  // the particle's cell among those of all occupied tiles
-    std::vector<int> next(n_tiles * n_cells + 1, 0);
+    std::vector<int> slot(n);  // the particle's line and cell among those of all occupied tiles
+    std::vector<int> next(n_tiles * n_slots + 1, 0);
     int last = 0;
     for (int i = 0; i < n; ++i) {
       Index<Dim> cell = cell_of_particle(particles, i, domain);
@@ -136,13 +138,18 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& doma
         ranges[last].low[a] = std::min(ranges[last].low[a], cell[a]);
         ranges[last].high[a] = std::max(ranges[last].high[a], cell[a]);
       }
-      slot[i] = last * n_cells + flatten<Dim>(cell, tile_edge);
+      int line = 0;
+      for (int a = Dim - 1; a > 0; --a) {
+        const double in_tile = (particles.position(a)[i] - domain.origin[a]) / domain.h - tile_edge * place[a];
+        line = (tile_edge + 1) * line + std::clamp(cell_of(in_tile + 0.5), 0, tile_edge);
+      }
+      slot[i] = last * n_slots + tile_edge * line + cell[0];
       ++next[slot[i] + 1];
     }
-    // Counts become first places, tile after tile, cell after cell.
+    // Counts become first places, tile after tile, line after line.
     std::partial_sum(next.begin(), next.end(), next.begin());
     body.tiles.resize(n_tiles);
-    for (std::size_t t = 0; t < n_tiles; ++t) body.tiles[t] = {next[t * n_cells], next[(t + 1) * n_cells]};
+    for (std::size_t t = 0; t < n_tiles; ++t) body.tiles[t] = {next[t * n_slots], next[(t + 1) * n_slots]};
     std::vector<int> order(n);
     for (int i = 0; i < n; ++i) order[next[slot[i]]++] = i;
     backend.for_each(particles.columns().n_columns(), [&](int c, int) {

@@ -20,9 +20,16 @@ void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step) {
         find_affine_motion<false>(points, m.domain, new_velocity);
     });
   }
-  NodeMotion nodes[Layout::n_window];
-  fill_window<Dim, Shape>(m.grid.tile(t), m.grid.new_velocity.data(), m.grid.acceleration.data(), nodes);
-  m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
+  if constexpr (goes_by_lines<Dim, Shape>) {
+    NodeRows<Dim, Shape, 2 * Dim> nodes;
+    fill_rows<0>(m.grid.tile(t), m.grid.new_velocity.data(), nodes);
+    fill_rows<Dim>(m.grid.tile(t), m.grid.acceleration.data(), nodes);
+    m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
+  } else {
+    NodeMotion nodes[Layout::n_window];
+    fill_window<Dim, Shape>(m.grid.tile(t), m.grid.new_velocity.data(), m.grid.acceleration.data(), nodes);
+    m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
+  }
 }
 
 /// Power of the loads on a tile's particles [W].

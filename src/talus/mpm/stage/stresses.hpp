@@ -2,6 +2,8 @@
 /// Stresses of particles, and what they and loads exert on nodes.
 
 #include <chrono>
+#include <type_traits>
+#include <utility>
 
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/load.hpp"
@@ -18,13 +20,28 @@ LoadView view_of(const Body<Dim>& body, int load, const Domain<Dim>& domain, dou
           (l.side % 2 == 0 ? -0.5 : 0.5) * body.spacing / domain.h};
 }
 
-/// f_I of a tile's particles from the rows `flux` and `stiffness` of the scratch.
+/// f_I of a tile's particles from the rows `flux` and `stiffness` of the scratch; the `first` ones clear the tile's window.
 template <int Dim, class Shape>
-void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, int t, const ScratchView& s) {
+void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, int t, const ScratchView& s,
+                   bool first) {
   ForceStiffness* window = m.grid.force_windows.of(t);
-  if constexpr (Dim == 2)
-    if (m.domain.axisymmetric) return add_forces<true>(points, m.domain, s, window);
-  add_forces<false>(points, m.domain, s, window);
+  const auto add_to = [&](auto& nodes) {
+    if constexpr (Dim == 2)
+      if (m.domain.axisymmetric) return add_forces<true>(points, m.domain, s, nodes);
+    add_forces<false>(points, m.domain, s, nodes);
+  };
+  if constexpr (goes_by_lines<Dim, Shape>) {
+    SumRows<Dim, Shape> rows;
+    if (first)
+      rows.clear();
+    else
+      rows.load_from(window);
+    add_to(rows);
+    rows.store_to(window);
+  } else {
+    if (first) clear_window<Dim, Shape>(window);
+    add_to(window);
+  }
 }
 /// f_I of what presses and pulls on the sides of a body in a tile.
 template <int Dim, class Shape>
@@ -86,18 +103,21 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
-    MassVelocity velocity[Layout::n_window];
-    m.window_of(t, m.grid.velocity, velocity);
-    if (stress_first) clear_window<Dim, Shape>(m.grid.force_windows.of(t));
+    std::conditional_t<goes_by_lines<Dim, Shape>, NodeRows<Dim, Shape, Dim>, MassVelocity[Layout::n_window]> velocity;
+    if constexpr (goes_by_lines<Dim, Shape>)
+      fill_rows<0>(m.grid.tile(t), m.grid.velocity.data(), velocity);
+    else
+      m.window_of(t, m.grid.velocity, velocity);
     const CellFinder<Dim> cells{m.domain.origin, 1 / m.domain.h, m.grid.tile(t).place};
     Vec<3> load{};
+    bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const StressTimer timer(m, worker, body, points.size());
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       find_gradients(points, m.domain, velocity, s);
       update_stress(body.law, points.particles, points.range, cells, how, s, sums);
       if (stress_first) {
-        add_forces_of(m, points, t, s);
+        add_forces_of(m, points, t, s, std::exchange(first, false));
         add_loads_of(m, body, points, t, step.time, load);
       } else {
         std::copy_n(s.stiffness, points.size(), points.particles.wave_modulus() + points.range.begin);
@@ -113,13 +133,13 @@ TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles([&](int t, int worker, TileSums& sums) {
     add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
-    clear_window<Dim, Shape>(m.grid.force_windows.of(t));
     Vec<3> load{};
+    bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       present_stress(body.law, points.particles, points.range, s);
       std::copy_n(points.particles.wave_modulus() + points.range.begin, points.size(), s.stiffness);
-      add_forces_of(m, points, t, s);
+      add_forces_of(m, points, t, s, std::exchange(first, false));
       add_loads_of(m, body, points, t, step.time, load);
     });
     sums.add(Sum::load_force, load);

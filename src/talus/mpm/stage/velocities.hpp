@@ -1,6 +1,7 @@
 #pragma once
 /// Between particles and nodes: mass and momentum, and the velocities of nodes.
 
+#include "talus/mpm/kernel/lines.hpp"
 #include "talus/mpm/model.hpp"
 
 namespace talus {
@@ -10,8 +11,15 @@ template <int Dim, class Shape>
 void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
   if (!m.has_particles(t)) return;
   MassMomentum* window = m.grid.momentum_windows.of(t);
-  clear_window<Dim, Shape>(window);
-  m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, window); });
+  if constexpr (goes_by_lines<Dim, Shape>) {
+    SumRows<Dim, Shape> rows;
+    rows.clear();
+    m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, rows); });
+    rows.store_to(window);
+  } else {
+    clear_window<Dim, Shape>(window);
+    m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, window); });
+  }
   if (!is_affine(m.numerics.transfer)) return;
   m.for_each_body(t, [&](auto&, const auto& points) {
     if (m.numerics.transfer == Transfer::apic)
