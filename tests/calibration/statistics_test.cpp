@@ -58,6 +58,26 @@ TEST(Statistics, AFurtherTestThatTellsThemApartIsSuggested) {
   EXPECT_LT(r.suggestions[0].factor, 0.5) << r.suggestions[0].test;
 }
 
+TEST(Statistics, FurtherTestsAreOfSpecimensAndOfStressesNearTheMeasuredOnes) {
+  MeasuredTest flow;
+  flow.name = flow.group = "flow";
+  flow.kind = TestKind::grain_shear;
+  flow.states = {{10, 1.4, 500}, {10, 0.5, 40e3}};
+  const auto tests_with = [&](std::vector<MeasuredTest> tests) { return further_tests(calibration(sand(), {}, tests)); };
+  // 20 and 100 kPa, not 500: the largest stress is 30 kPa, or 40 kPa in the flow.
+  for (const auto& tests : {tests_with({drained("a", 30e3, 0.8), drained("b", 10e3, 0.7)}),
+                            tests_with({drained("a", 10e3, 0.8), drained("b", 10e3, 0.7), flow})}) {
+    ASSERT_EQ(tests.size(), 2u * (2 * 4 + 1));  // two void ratios; the compression from 100 kPa to 1 MPa goes too far
+    for (const FurtherTest& one : tests) {
+      EXPECT_TRUE(one.test.void_ratio == 0.7 || one.test.void_ratio == 0.8) << one.words;
+      EXPECT_LE(one.test.axial_stress, 100e3) << one.words;
+      EXPECT_TRUE(one.test.kind != TestKind::isotropic_compression || one.test.leading.back() <= 200.1e3) << one.words;
+    }
+  }
+  // With flows alone, their void ratios.
+  EXPECT_EQ(tests_with({flow})[0].test.void_ratio, 0.5);
+}
+
 TEST(Statistics, AParameterThatNoTestDependsOnIsNamed) {
   MeasuredTest test =
       path("iso", TestKind::isotropic_compression, TestDrainage::drained, 20e3, 0.8, 500e3, 30, {{"void_ratio", "1"}});

@@ -32,6 +32,22 @@ TEST(Driver, OedometerOfAnElasticMaterialHasTheConstrainedModulus) {
   EXPECT_EQ(r.rows.size(), 3u);
 }
 
+TEST(Driver, ATestEndsWhereItWouldNeedMoreUpdatesThanItMay) {
+  const ElementTest test =
+      read_element_test_text("test.toml",
+                             "title = \"test\"\n[material]\n" + sand + "[initial]\n" + sand_state +
+                                 "[[segment]]\ntest = \"triaxial\"\ndrainage = \"drained\"\naxial_strain = 0.2\n",
+                             ".")
+          .test;
+  const ElementResult whole = run_element_test(test), part = run_element_test(test, whole.n_updates / 2);
+  EXPECT_TRUE(whole.failure.empty());
+  EXPECT_NE(part.failure.find("updates of the law are needed"), std::string::npos) << part.failure;
+  EXPECT_GT(part.n_updates, whole.n_updates / 2);
+  EXPECT_LT(part.n_updates, whole.n_updates / 2 + 1000);  // a step of the driver is finished
+  ASSERT_LT(part.rows.size(), whole.rows.size());
+  for (std::size_t i = 0; i < part.rows.size(); ++i) EXPECT_EQ(part.rows[i], whole.rows[i]);
+}
+
 TEST(Driver, DrainedTriaxialTestOfAnElasticMaterialHasYoungsModulus) {
   const auto r = run("[[segment]]\ntest = \"triaxial\"\ndrainage = \"drained\"\naxial_strain = 0.001\n");
   EXPECT_NEAR(last(r, "stress_xx") - 1e5, 1e7 * 0.001, 1e-3);

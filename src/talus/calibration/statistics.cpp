@@ -325,20 +325,41 @@ Vector jackknife_errors(const std::vector<LeftOut>& left) {
 
 namespace {
 
-/// A test that a laboratory could do, in words.
-struct Candidate {
-  std::string words;
-  MeasuredTest test;
-};
+/// Void ratios at which a laboratory can make specimens: the smallest and the largest of the tests that are not flows; of the
+/// flows, if there are no others.
+std::vector<double> void_ratios_of_specimens(const Calibration& calibration) {
+  std::vector<double> all;
+  for (const MeasuredTest& test : calibration.tests)
+    if (test.kind != TestKind::grain_shear && test.void_ratio > 0) all.push_back(test.void_ratio);
+  if (all.empty()) return void_ratios_of_tests(calibration);
+  const auto [least, most] = std::minmax_element(all.begin(), all.end());
+  return *least < *most ? std::vector<double>{*least, *most} : std::vector<double>{*least};
+}
 
-std::vector<Candidate> candidates_for(const Calibration& calibration) {
-  std::vector<Candidate> all;
+/// Largest mean stress at the start of a test, or leading stress: what the parameters were fitted to [Pa].
+double largest_stress(const Calibration& calibration) {
+  double largest = 0;
+  for (const MeasuredTest& test : calibration.tests) {
+    largest = std::max(largest, (test.axial_stress + 2 * test.lateral_stress) / 3);
+    for (const ShearedState& state : test.states) largest = std::max(largest, state.normal_stress);
+    if (test.is_led_by_stress())
+      for (double stress : test.leading) largest = std::max(largest, stress);
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<FurtherTest> further_tests(const Calibration& calibration) {
+  std::vector<FurtherTest> all;
   if (!has_lasting_contacts(calibration.law)) return all;
   const bool counts_voids = void_ratios_of(calibration.law).has_value();
-  std::vector<double> void_ratios = void_ratios_of_tests(calibration);
+  std::vector<double> void_ratios = void_ratios_of_specimens(calibration);
   if (void_ratios.empty() || !counts_voids) void_ratios = {0};
+  const double most = 10 * largest_stress(calibration);
   const auto add = [&](TestKind kind, TestDrainage drainage, double e, double p, double end,
                        std::vector<std::pair<std::string, std::string>> quantities, const std::string& words) {
+    if (p > most || (kind == TestKind::isotropic_compression && end > most)) return;
     MeasuredTest test;
     test.kind = kind;
     test.drainage = drainage;
@@ -370,6 +391,8 @@ std::vector<Candidate> candidates_for(const Calibration& calibration) {
     }
   return all;
 }
+
+namespace {
 
 /// J^T J of a test that is not measured: measured values are those predicted at x.
 Matrix products_of_candidate(const Calibration& calibration, const Vector& x, MeasuredTest test) {
@@ -417,7 +440,7 @@ std::vector<Suggestion> suggest_tests(Residuals& residuals, const Vector& x, con
   }
   std::vector<Suggestion> all;
   if (wanted.empty()) return all;
-  const std::vector<Candidate> candidates = candidates_for(calibration);
+  const std::vector<FurtherTest> candidates = further_tests(calibration);
   std::vector<Matrix> H(candidates.size());
   residuals.loop().for_each(int(candidates.size()), [&](int i, int) {
     H[std::size_t(i)] = products_of_candidate(calibration, x, candidates[std::size_t(i)].test);

@@ -63,6 +63,15 @@ Vector jackknife_errors(const std::vector<LeftOut>& left_out);
 
 // ---- further tests -----------------------------------------------------------------------------------------------------
 
+/// A test that a laboratory could do.
+struct FurtherTest {
+  std::string words;
+  MeasuredTest test;
+};
+/// Common laboratory tests at the void ratios of the specimens, at stresses up to ten times those of the measured tests:
+/// beyond that a law extrapolates. Flows of grains count as specimens only if there are no others.
+std::vector<FurtherTest> further_tests(const Calibration& calibration);
+
 /// A test that would determine parameters better, and by what factor their standard errors would fall.
 struct Suggestion {
   std::vector<int> parameters;  ///< a group that cannot be distinguished, or a single weak parameter

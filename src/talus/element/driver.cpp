@@ -31,7 +31,8 @@ class Driver {
  public:
   using State = typename Law::template State<double>;
 
-  Driver(const ElementTest& test, const Law& law) : test_(test), law_(law) {
+  Driver(const ElementTest& test, const Law& law, long most_updates)
+      : test_(test), law_(law), most_updates_(most_updates) {
     // The material already moves as the first segment prescribes: Eq. 12 knows no acceleration before the test.
     InitialState initial = test.initial;
     const Vector6 first =
@@ -300,6 +301,9 @@ class Driver {
     // Controlled stresses are met to 1e-9, so smaller errors of steps cannot be resolved.
     const double tolerance = strain_only(segment) ? test_.tolerance : std::max(test_.tolerance, 5e-9);
     while (t < stop) {
+      if (result_.n_updates > most_updates_)
+        throw RunError(fmt::format("more than {} updates of the law are needed; the test ends at t = {:.6g} s",
+                                   most_updates_, start + t));
       // Two equal steps rather than one and a tiny one.
       const double left = stop - t, end = step >= left ? stop : t + (2 * step > left ? 0.5 * left : step);
       const double middle = 0.5 * (t + end);
@@ -701,6 +705,7 @@ class Driver {
 
   const ElementTest& test_;
   const Law& law_;
+  long most_updates_;
   Now now_;
   Vector6 start_values_;
   Laboratory laboratory_;
@@ -716,8 +721,8 @@ class Driver {
 
 }  // namespace
 
-ElementResult run_element_test(const ElementTest& test) {
-  return std::visit([&](const auto& law) { return Driver(test, law).run(); }, test.law);
+ElementResult run_element_test(const ElementTest& test, long most_updates) {
+  return std::visit([&](const auto& law) { return Driver(test, law, most_updates).run(); }, test.law);
 }
 
 }  // namespace talus

@@ -2,6 +2,7 @@
 /// Drives one law along one loading path.
 
 #include <functional>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -17,7 +18,8 @@ struct ElementResult : ResultTable {
   long n_returning = 0;  ///< rows in which collisions return work of shear (see MayReturnWork)
 };
 
-/// Runs a test. Throws InputError if the initial state is impossible.
-ElementResult run_element_test(const ElementTest& test);
+/// Runs a test. Throws InputError if the initial state is impossible. A test that needs more than `most_updates` calls of the
+/// law ends there, with a message in `failure`.
+ElementResult run_element_test(const ElementTest& test, long most_updates = std::numeric_limits<long>::max());
 
 }  // namespace talus
