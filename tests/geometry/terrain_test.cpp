@@ -196,6 +196,32 @@ TEST(Terrain, WhereHeightsAreMissingTheSurfaceGoesOnButIsNotKnown) {
   EXPECT_EQ(terrain.lowest(), plane(-6, 20)) << "of those that are known";
 }
 
+TEST(Terrain, GapsAreNumberedByTheirSize) {
+  // Two pixels that touch by a corner are one gap, larger than the single pixel south-west of them.
+  PlanRaster heights = PlanRaster::of({0, 0}, 1, 6, 5, 7);
+  heights.at(1, 1) = heights.at(4, 3) = heights.at(5, 4) = PlanRaster::none;
+  const Terrain terrain(heights);
+  EXPECT_EQ(terrain.n_gaps(), 2);
+  EXPECT_EQ(terrain.gap_at(4.5, 3.5), 0);
+  EXPECT_EQ(terrain.gap_at(5.5, 4.5), 0);
+  EXPECT_EQ(terrain.gap_at(1.5, 1.5), 1);
+  EXPECT_EQ(terrain.gap_at(2.5, 1.5), -1) << "ground";
+  EXPECT_EQ(terrain.gap_at(7.5, 1.5), -1) << "beyond the raster";
+  EXPECT_EQ(Terrain(PlanRaster::of({0, 0}, 1, 6, 5, 7)).n_gaps(), 0);
+}
+
+TEST(Terrain, TheFarEdgesBelongToTheRaster) {
+  PlanRaster heights = PlanRaster::of({0, 0}, 1, 6, 5, 7);
+  heights.at(5, 4) = PlanRaster::none;
+  const Terrain terrain(heights);
+  EXPECT_FALSE(terrain.is_known(6, 2.5));
+  EXPECT_TRUE(terrain.is_known_up_to_edge(6, 2.5));
+  EXPECT_TRUE(terrain.is_known_up_to_edge(2.5, 5));
+  EXPECT_TRUE(terrain.is_known_up_to_edge(0, 0));
+  EXPECT_FALSE(terrain.is_known_up_to_edge(6, 5)) << "beside a gap";
+  EXPECT_FALSE(terrain.is_known_up_to_edge(6.001, 2.5));
+}
+
 TEST(Terrain, PixelsThatAreLeftOutAreNotKnownButTheSurfaceGoesThroughThem) {
   const PlanRaster heights = PlanRaster{{0, 0}, 1, 5, 4, {1, 2, 3, 4, 5, 2, 7, 1, 3, 2, 5, 5, 4, 1, 0, 9, 2, 3, 1, 1}};
   std::vector<char> left_out(20, 0);

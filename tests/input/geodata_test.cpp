@@ -306,6 +306,13 @@ TEST_F(GeoTiff, NumbersForPointsLieInTheMiddleOfPixels) {
 TEST_F(GeoTiff, NoDataIsNone) {
   const std::string nan = make("a.tif", utm32, north_up, [](GDALDataset& data) { put(data, 1, 0, std::nan("")); });
   EXPECT_FALSE(read_geo_raster(nan).raster.has(1, 1));
+  EXPECT_EQ(read_geo_raster(nan).unstated_nan.n, 1);  // the file marks nothing
+  const std::string stated = make("c.tif", utm32, north_up, [](GDALDataset& data) {
+    data.GetRasterBand(1)->SetNoDataValue(std::nan(""));
+    put(data, 1, 0, std::nan(""));
+  });
+  EXPECT_FALSE(read_geo_raster(stated).raster.has(1, 1));
+  EXPECT_EQ(read_geo_raster(stated).unstated_nan.n, 0);
   for (double value : {-9999.0, -99999.0, -3.4028234663852886e38}) {
     const std::string file = make("b.tif", utm32, north_up, [&](GDALDataset& data) {
       data.GetRasterBand(1)->SetNoDataValue(value);
@@ -758,6 +765,28 @@ TEST_F(Geodata, ProjectionsAreTheSameWhateverTheyAreCalled) {
   EXPECT_SAYS(same_projection(utm, "nonsense"), "\"nonsense\" is no projection in WKT");
   // In the EPSG's words north comes first; in those of ESRI there are no axes.
   EXPECT_TRUE(same_projection(austria_lambert, projection_of("EPSG:31287")));
+}
+
+TEST_F(Geodata, LengthsInAProjectionAreThoseOnTheGround) {
+  // Innsbruck, 47.26 degrees north. Web Mercator projects the ellipsoid by the formulas of a sphere of its larger radius a:
+  // a metre towards the east is N cos(latitude)/a of a metre of the map, with N = a/sqrt(1 - e2 sin2) = 1.00181 a, so 1.471
+  // to a metre; towards the north the ellipsoid's radius is M = a (1 - e2)/(1 - e2 sin2)^(3/2) = 0.99869 a, so 1.476.
+  const Vec<2> innsbruck{1267930, 5984720};
+  EXPECT_SAYS(expect_true_lengths(projection_of("EPSG:3857"), innsbruck, "dem.tif"),
+              "dem.tif is in WGS 84 / Pseudo-Mercator (EPSG:3857), in which lengths are not those on the ground: at "
+              "(1267930, 5984720) a metre is 1.47 m long towards the east and 1.48 m towards the north; project it: "
+              "gdalwarp -t_srs EPSG:32632 IN OUT");
+  const auto is_accepted = [](const std::string& name, Vec<2> place) {
+    return refusal([&] { expect_true_lengths(projection_of(name), place, "dem.tif"); }).empty();
+  };
+  EXPECT_FALSE(is_accepted("EPSG:3395", innsbruck)) << "World Mercator";
+  EXPECT_TRUE(is_accepted("EPSG:25832", {680000, 5237000}));
+  EXPECT_TRUE(is_accepted("EPSG:31254", {80000, 235000}));
+  EXPECT_TRUE(is_accepted("EPSG:2056", {2700000, 1200000}));
+  EXPECT_TRUE(is_accepted("EPSG:3035", {4430000, 2680000})) << "of equal areas, for all of Europe";
+  EXPECT_TRUE(is_accepted("EPSG:25832", {0, 0})) << "coordinates of no real place, as in tests";
+  EXPECT_TRUE(is_accepted("EPSG:2056", {0, 0}));
+  EXPECT_NO_THROW(expect_true_lengths("", innsbruck, "dem.tif"));
 }
 
 TEST_F(Geodata, AProjectionIsANumberAWktOrAFile) {

@@ -470,6 +470,36 @@ TEST_F(TerrainCase, RefusesRastersWithoutNumbersInTheRelease) {
                          "does not cover the polygons", "body.slide.release.raster");
 }
 
+// NaN in a raster that marks gaps by -9999 is the trace of a computation that failed, not a place without a release.
+TEST_F(TerrainCase, RefusesThicknessOfNaNThatIsNotStatedAsNoData) {
+  constexpr const char* release = R"(raster = "thickness.asc", unit = "m", measured = "normal")";
+  const auto thickness = [](double x, double y) {
+    return x > 20 && x < 60 && y > 20 && y < 60 ? (x > 35 && x < 45 && y > 35 && y < 40 ? NAN : 3) : 0;
+  };
+  write_raster("thickness.asc", thickness);
+  expect_release_refused(release, "holds NaN in 2 of 320 pixels, such as at (600042.5, 5200037.5)",
+                         "body.slide.release.raster");
+  expect_release_refused(release, "gdalwarp -srcnodata nan -dstnodata -9999 IN OUT.tif", "body.slide.release.raster");
+  write_raster("top.asc", [&](double x, double y) { return ground(x, y) + thickness(x, y); });
+  expect_release_refused(R"(top = "top.asc", unit = "m")", "holds NaN in 2 of 320 pixels", "body.slide.release.top");
+}
+
+TEST_F(TerrainCase, RefusesGapsThatARasterOfThicknessSurrounds) {
+  constexpr const char* release = R"(raster = "thickness.asc", unit = "m", measured = "vertical")";
+  const auto with_gap = [&](double from) {
+    write_raster("thickness.asc", [&](double x, double y) {
+      return x < 20 || x > 60 || y < 20 || y > 60 ? -9999 : x > from && x < from + 10 && y > 35 && y < 40 ? -9999 : 3;
+    });
+  };
+  with_gap(35);
+  expect_release_refused(release,
+                         "has no data in 2 pixels that the release surrounds, such as at (600038, 5200038); write 0 "
+                         "there if nothing is released, or fill them: gdal_fillnodata.py IN OUT",
+                         "body.slide.release.raster");
+  with_gap(15);  // a gap that is open to the outside is the outside
+  EXPECT_NEAR(volume_of(release), 3 * (40 * 40 - 5 * 5), 1e-6);
+}
+
 TEST_F(TerrainCase, RefusesPolygonsThatAreWrong) {
   write_polygons("release.geojson", {{ring({{20, 20}, {40, 50}, {40, 20}, {20, 50}})}});
   expect_release_refused(drawn, "no valid polygon", "body.slide.release.polygons");
@@ -656,6 +686,12 @@ TEST_F(TerrainCase, WithoutAProjectionSmallPixelsNearTheOriginLookLikeDegrees) {
         "PARAMETER[\"Scale_Factor\",0.9996],PARAMETER[\"Latitude_Of_Origin\",0],UNIT[\"Meter\",1]]");
   expect_refused(text_of(drawn, "projection = \"local\""),
                  "terrain.projection = \"local\" is that of no map, but dem.asc", "");
+}
+
+TEST_F(TerrainCase, WebMercatorIsRefused) {
+  write_raster("dem.asc", ground, {.x = 600000, .y = 700000});
+  expect_refused(text_of(drawn, "projection = \"EPSG:3857\""), "terrain.raster",
+                 "in which lengths are not those on the ground");
 }
 
 // ---- ground of triangles -----------------------------------------------------------------------------------------
@@ -875,6 +911,24 @@ TEST_F(TerrainCase, GaugesThatCannotBeAreRefused) {
          "needs two points or more");
   refuse("[thalweg]\npoints = [[\"600010 m\", \"5200040 m\"], [\"600090 m\", \"5200040 m\"]]\n", "[thalweg]",
          "`width` is missing");
+}
+
+TEST_F(TerrainCase, GaugesMayLieOnEveryEdgeOfTheTerrain) {
+  const CaseFile file = read(text_of() + R"(
+[gauge.corner]
+at = ["600100 m", "5200080 m"]
+[gauge.far_edge]
+from = ["600100 m", "5200000 m"]
+to = ["600100 m", "5200080 m"]
+[gauge.near_edge]
+from = ["600000 m", "5200000 m"]
+to = ["600000 m", "5200080 m"]
+)");
+  EXPECT_EQ(file.case_.gauges.size(), 3u);
+  EXPECT_EQ(shown(file, "gauge.corner.height"), "425 m");  // 500 m - 0.75 x 100 m
+  expect_refused(text_of() + "[gauge.a]\nat = [\"600100.1 m\", \"5200040 m\"]\n", "[gauge.a]",
+                 "lies outside the terrain at (600100.1, 5200040); the terrain reaches from (600000, 5200000) to "
+                 "(600100, 5200080)");
 }
 
 TEST_F(TerrainCase, AGaugeWhereTheTerrainHasNoDataIsRefused) {

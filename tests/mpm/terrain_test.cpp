@@ -297,6 +297,14 @@ TEST(OnAPlane, WhatComesOntoGroundThatIsLeftOutLeavesTheRunAndIsInTheLedger) {
   const Ledger& l = s->ledger();
   EXPECT_EQ(s->n_particles(), 0);
   EXPECT_NEAR(l.outflow.mass_through[unknown_ground], mass, 1e-12 * mass);
+  // All of it over the one gap, found a tenth of a cell or so beyond its edge at x = 0.5 m, with the middle of the slab.
+  const OutflowPlace& place = l.outflow.places[place_of_gap(0)];
+  EXPECT_NEAR(place.mass, mass, 1e-12 * mass);
+  EXPECT_NEAR(place.middle()[0], 0.5, 0.5 * cell);
+  EXPECT_GE(place.low[0], 0.5);
+  EXPECT_LE(place.high[0], 0.5 + cell);
+  EXPECT_LT(place.low[1], place.middle()[1]);
+  EXPECT_GT(place.high[1], place.middle()[1]);
   expect_momentum_closes(l);
   EXPECT_LT(std::abs(l.error()), 1e-3 * l.turnover);
 }

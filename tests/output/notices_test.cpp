@@ -83,6 +83,20 @@ TEST(Warnings, GrainsThatHaveJustBegunToFallAreApartAsTheyShouldBe) {
   EXPECT_TRUE(one_begins(warnings_of(case_, run), "100 % of the particles carry no stress"));
 }
 
+TEST(Notices, OutflowIsToldWithItsPlaces) {
+  RunSummary run;
+  EXPECT_EQ(notice_of_outflow(run), "");
+  run.ledger.mass = 30;
+  run.ledger.outflow.mass = run.ledger.outflow.mass_through[1] = 10;
+  EXPECT_EQ(notice_of_outflow(run),
+            "10 kg, 25 % of the mass, have left through `outflow` sides (x_max 100 %). Fronts and heights are those of "
+            "the material in the domain.");
+  run.outflow.push_back({"x_max", "east side (x_max)", 10, 1, {600, 200}, {600, 190}, {600, 210}});
+  EXPECT_EQ(notice_of_outflow(run),
+            "10 kg, 25 % of the mass, have left the domain: 100 % over the east side (x_max), around (600, 200), along 20 "
+            "m of it. Runout and deposit are those of the material in the domain.");
+}
+
 TEST(Warnings, AMaterialThatStillMovesIsTold) {
   EXPECT_TRUE(one_begins(warnings(0, 0, 0.02), "The material still moves at the end"));
 }

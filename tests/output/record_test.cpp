@@ -65,4 +65,16 @@ TEST_F(Record, ResultsWithoutTheirCurvesAreNotFinished) {
   EXPECT_FALSE(finished());
 }
 
+TEST_F(Record, HoldsThePlacesWhereMaterialHasLeft) {
+  RunSummary run;
+  run.ledger.outflow.mass = 10;
+  run.outflow.push_back({"x_max", "east side (x_max)", 10, 1, {600, 200}, {600, 190}, {600, 210}});
+  record(run);
+  const auto place = nlohmann::json::parse(contents_of(folder_ / "record.json"))["outflow"]["places"][0];
+  EXPECT_EQ(place["where"], "east side (x_max)");
+  EXPECT_EQ(place["mass_kilogram"], 10);
+  EXPECT_EQ(place["centre_east_north_metre"], (std::vector<double>{600, 200}));
+  EXPECT_EQ(place["length_metre"], 20);
+}
+
 }  // namespace talus::record_test

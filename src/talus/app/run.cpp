@@ -210,6 +210,7 @@ void Run::complete_summary() {
     summary_.runout = maps.runout;
     summary_.thalweg = maps.thalweg;
   }
+  summary_.outflow = outflow_on_map(case_, summary_.ledger.outflow);
   summary_.gauges = recorder_.gauges().summaries();
   summary_.came_to_rest = recorder_.has_come_to_rest(*simulation_) && simulation_->ledger().time < case_.end;
   summary_.noise = recorder_.noise().shares();
@@ -260,7 +261,7 @@ void Run::print_results(const std::vector<Picture>& drawn) const {
   if (summary_.came_to_rest)
     fmt::print(stderr, "ended at rest: the kinetic energy stayed below {:g} of its largest value (`stop_below`)\n",
                case_.stop_below);
-  if (const std::string notice = notice_of_outflow(summary_.ledger); !notice.empty())
+  if (const std::string notice = notice_of_outflow(summary_); !notice.empty())
     fmt::print(stderr, "{}\n", notice);
   for (std::size_t i = doubts_.size(); i < summary_.warnings.size(); ++i)  // the doubts were printed at the start
     fmt::print(stderr, "warning: {}\n", summary_.warnings[i]);

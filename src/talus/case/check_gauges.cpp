@@ -29,13 +29,13 @@ std::string fault_of_points(const std::vector<Vec<2>>& points, const Case& case_
   const Terrain& ground = *case_.map->ground;
   const auto unknown = [&]() -> std::optional<Vec<2>> {
     if (points.size() == 1)
-      return ground.is_known(points[0][0], points[0][1]) ? std::nullopt : std::optional(points[0]);
+      return ground.is_known_up_to_edge(points[0][0], points[0][1]) ? std::nullopt : std::optional(points[0]);
     const PlanPath path(points);
     for (const Vec<2>& x : points)
-      if (!ground.is_known(x[0], x[1])) return x;
+      if (!ground.is_known_up_to_edge(x[0], x[1])) return x;
     const double step = ground.heights().pixel;
     for (double s = 0; s < path.length(); s += step)
-      if (const Vec<2> x = path.at(s); !ground.is_known(x[0], x[1])) return x;
+      if (const Vec<2> x = path.at(s); !ground.is_known_up_to_edge(x[0], x[1])) return x;
     return std::nullopt;
   }();
   if (!unknown) return "";

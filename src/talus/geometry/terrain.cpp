@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <functional>
+#include <numeric>
 
 namespace talus {
 
@@ -35,6 +37,41 @@ void fill_unknown(PlanRaster& r) {
     for (const auto& [i, value] : found) r.values[i] = value;
     ring = std::move(left);
   }
+}
+
+/// Numbers the gaps of a raster, the largest first, those as large in their order from the south-west: for every pixel the
+/// number of its gap, -1 outside gaps; empty if there is none. Returns how many there are.
+int number_gaps(const PlanRaster& r, std::vector<int>& gap_of_pixel) {
+  constexpr int none = -1, unnumbered = -2;
+  if (std::ranges::none_of(r.values, [](double z) { return std::isnan(z); })) return 0;
+  for (const double z : r.values) gap_of_pixel.push_back(std::isnan(z) ? unnumbered : none);
+  std::vector<std::size_t> sizes, next;
+  for (std::size_t i = 0; i < gap_of_pixel.size(); ++i) {
+    const auto take = [&](std::size_t pixel) {
+      if (gap_of_pixel[pixel] != unnumbered) return;
+      gap_of_pixel[pixel] = int(sizes.size()) - 1;
+      ++sizes.back();
+      next.push_back(pixel);
+    };
+    if (gap_of_pixel[i] != unnumbered) continue;
+    sizes.push_back(0);
+    take(i);
+    while (!next.empty()) {
+      const int column = int(next.back() % std::size_t(r.columns)), row = int(next.back() / std::size_t(r.columns));
+      next.pop_back();
+      for (int dr = -1; dr <= 1; ++dr)
+        for (int dc = -1; dc <= 1; ++dc)
+          if (r.has_pixel(column + dc, row + dr)) take(r.index(column + dc, row + dr));
+    }
+  }
+  std::vector<std::size_t> order(sizes.size());
+  std::iota(order.begin(), order.end(), std::size_t(0));
+  std::ranges::stable_sort(order, std::greater(), [&](std::size_t gap) { return sizes[gap]; });
+  std::vector<int> rank(sizes.size());
+  for (std::size_t i = 0; i < order.size(); ++i) rank[order[i]] = int(i);
+  for (int& gap : gap_of_pixel)
+    if (gap != none) gap = rank[std::size_t(gap)];
+  return int(sizes.size());
 }
 
 /// Calls f(first, step, n) for every row of a raster, or for every column.
@@ -96,9 +133,8 @@ Terrain::Terrain(PlanRaster heights, double smoothed_over, const std::vector<cha
     if (!std::isnan(z)) {
       lowest_ = std::min(lowest_, z);
       highest_ = std::max(highest_, z);
-    } else {
-      has_gaps_ = true;
     }
+  n_gaps_ = number_gaps(heights_, gap_of_pixel_);
   fill_unknown(inner);
   if (const double width = smoothed_over / inner.pixel; width > 1)
     for (const bool rows : {true, false})

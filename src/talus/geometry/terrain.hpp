@@ -31,8 +31,21 @@ class Terrain {
   /// As they were given, but for those left out.
   const PlanRaster& heights() const { return heights_; }
   bool is_known(double x, double y) const { return heights_.has(heights_.column_of(x), heights_.row_of(y)); }
+  /// The same, but the far edges of the raster count as of the pixels beside them: a map ends with its edge.
+  bool is_known_up_to_edge(double x, double y) const {
+    const Vec<2> far = heights_.far_corner();
+    return heights_.has(x == far[0] ? heights_.columns - 1 : heights_.column_of(x),
+                        y == far[1] ? heights_.rows - 1 : heights_.row_of(y));
+  }
   /// Whether there are pixels without a height.
-  bool has_gaps() const { return has_gaps_; }
+  bool has_gaps() const { return n_gaps_ > 0; }
+  /// Gaps are pixels without a height that touch, if only by their corners. They are numbered by size, the largest first.
+  int n_gaps() const { return n_gaps_; }
+  /// The number of the gap at a place of the raster; -1 where there is none.
+  int gap_at(double x, double y) const {
+    const int column = heights_.column_of(x), row = heights_.row_of(y);
+    return has_gaps() && heights_.has_pixel(column, row) ? gap_of_pixel_[heights_.index(column, row)] : -1;
+  }
   TerrainPlace at(double x, double y) const;
   /// Of the known heights [m].
   double lowest() const { return lowest_; }
@@ -44,7 +57,8 @@ class Terrain {
 
  private:
   PlanRaster heights_;
-  bool has_gaps_ = false;
+  int n_gaps_ = 0;
+  std::vector<int> gap_of_pixel_;  ///< -1 where the height is known; empty without gaps
   double lowest_, highest_, steepest_;
   std::vector<double> coefficients_;  ///< of the spline, one for each pixel and one more around
 };

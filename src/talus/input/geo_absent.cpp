@@ -19,6 +19,7 @@ void expect_map_reader() { refuse_maps(); }
 
 GeoRaster read_geo_raster(const std::string&, double, RasterContent) { refuse_maps(); }
 void expect_no_degrees(const GeoRaster&, const std::string&) { refuse_maps(); }
+void expect_true_lengths(const std::string&, Vec<2>, const std::string&) { refuse_maps(); }
 GeoPolygons read_polygons(const std::string&, const std::string&) { refuse_maps(); }
 GeoLine read_line(const std::string&) { refuse_maps(); }
 bool same_projection(const std::string&, const std::string&) { refuse_maps(); }

@@ -175,11 +175,12 @@ bool looks_like_ascii_raster(const std::string& path) {
   return false;
 }
 
-PlanRaster read_ascii_raster(const std::string& path) {
+AsciiRaster read_ascii_raster(const std::string& path) {
   std::ifstream in(path, std::ios::binary);
   Header header(path);
   PlanRaster raster;
   double no_data = 0;
+  UnstatedNan unstated_nan;
   std::size_t expected = 0;
   bool in_header = true;
   std::string text;
@@ -207,6 +208,10 @@ PlanRaster read_ascii_raster(const std::string& path) {
         throw std::runtime_error(fmt::format("{}:{}: more values than the {} x {} = {} that its header states", path,
                                              number, raster.columns, raster.rows, expected));
       raster.values.push_back(is_no_data(*value, no_data) ? PlanRaster::none : *value);
+      if (std::isnan(*value) && !std::isnan(no_data)) {
+        const int index = int(raster.values.size()) - 1;
+        unstated_nan.add(index % raster.columns, raster.rows - 1 - index / raster.columns);
+      }
     }
   }
   if (in_header) raster = header.raster();  // to name what is missing first
@@ -220,7 +225,7 @@ PlanRaster read_ascii_raster(const std::string& path) {
     std::swap_ranges(raster.values.begin() + long(raster.index(0, south)),
                      raster.values.begin() + long(raster.index(0, south)) + raster.columns,
                      raster.values.begin() + long(raster.index(0, north)));
-  return raster;
+  return {std::move(raster), unstated_nan};
 }
 
 }  // namespace talus

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <numbers>
 #include <stdexcept>
 #include <string_view>
 #include <vector>
@@ -117,6 +119,35 @@ std::string utm_at(Vec<2> place) {
   return fmt::format("EPSG:{}", (place[1] < 0 ? 32700 : 32600) + zone);
 }
 
+struct Distance {
+  Vec<2> degrees;      ///< of the place, east and north
+  double east, north;  ///< so many metres of the map make one on the ground
+};
+
+/// How long a metre of the ground is on the map at a place, by the ellipsoid of the projection; none where that cannot be
+/// said, and beyond the area of use.
+std::optional<Distance> distance_on_map(const OGRSpatialReference& projection, Vec<2> place) {
+  constexpr double step = 100, degree = std::numbers::pi / 180;
+  const std::unique_ptr<OGRSpatialReference> degrees(projection.CloneGeogCS());  // without a shift of datum
+  if (!degrees) return std::nullopt;
+  OGRSpatialReference from(projection);
+  for (OGRSpatialReference* each : {&from, degrees.get()}) each->SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> to_degrees(
+      OGRCreateCoordinateTransformation(&from, degrees.get()));
+  std::array<double, 3> x{place[0], place[0] + step, place[0]}, y{place[1], place[1], place[1] + step};
+  if (!to_degrees || !to_degrees->Transform(3, x.data(), y.data())) return std::nullopt;
+  double west = -180, south = -90, east = 180, north = 90;
+  from.GetAreaOfUse(&west, &south, &east, &north, nullptr);
+  if (!(x[0] >= west && x[0] <= east && y[0] >= south && y[0] <= north)) return std::nullopt;
+  const double a = degrees->GetSemiMajor(), flattening = degrees->GetInvFlattening();
+  const double e2 = flattening > 0 ? (2 - 1 / flattening) / flattening : 0;
+  const double s = std::sin(y[0] * degree), w = std::sqrt(1 - e2 * s * s);
+  const auto on_ground = [&](std::size_t i) {
+    return degree * a * std::hypot((x[i] - x[0]) * std::cos(y[0] * degree) / w, (y[i] - y[0]) * (1 - e2) / (w * w * w));
+  };
+  return Distance{{x[0], y[0]}, step / on_ground(1), step / on_ground(2)};
+}
+
 }  // namespace
 
 GeoLibrary::GeoLibrary()
@@ -179,6 +210,20 @@ void expect_no_degrees(const GeoRaster& read, const std::string& path) {
       "degrees; "
       "project it: gdalwarp -s_srs EPSG:4326 -t_srs {} IN OUT; or, if they are metres, write projection = \"local\"",
       path, read.raster.pixel, low[0], low[1], high[0], high[1], utm_at(middle)));
+}
+
+void expect_true_lengths(const std::string& projection, Vec<2> place, const std::string& path) {
+  constexpr double most = 0.02;
+  if (projection.empty()) return;
+  const GeoLibrary library;
+  const OGRSpatialReference its = from_wkt(projection);
+  const std::optional<Distance> distance = its.IsProjected() ? distance_on_map(its, place) : std::nullopt;
+  if (!distance || (std::abs(distance->east - 1) <= most && std::abs(distance->north - 1) <= most)) return;
+  throw std::runtime_error(fmt::format(
+      "{} is in {}, in which lengths are not those on the ground: at ({:.10g}, {:.10g}) a metre is {:.3g} m long towards "
+      "the east and {:.3g} m towards the north; project it: gdalwarp -t_srs {} IN OUT (vectors: ogr2ogr)",
+      path, name_of_projection(projection), std::round(place[0]), std::round(place[1]), distance->east, distance->north,
+      utm_at(distance->degrees)));
 }
 
 std::string wkt_of(const OGRSpatialReference& projection) {

@@ -89,7 +89,8 @@ PlanRaster pixels_of(GDALDataset& data, const std::string& path, bool& down) {
   return PlanRaster::of({t[0], down ? t[3] + rows * t[5] : t[3]}, t[1], columns, rows);
 }
 
-void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanRaster& raster,
+/// Reads the values into a raster; returns the pixels that hold NaN that is not the mark of no data.
+UnstatedNan read_values(GDALRasterBand& band, const std::string& path, bool down, PlanRaster& raster,
                  const GeoLibrary& library) {
   const auto fail = [&] {
     throw std::runtime_error(fmt::format("{} cannot be read to its end; the file is damaged or incomplete{}", path,
@@ -101,6 +102,7 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
   const bool masked = (band.GetMaskFlags() & GMF_PER_DATASET) != 0;
   GDALRasterBand* mask = masked ? band.GetMaskBand() : nullptr;
   std::vector<unsigned char> valid(masked ? std::size_t(raster.columns) : 0, 1);
+  UnstatedNan unstated_nan;
   for (int line = 0; line < raster.rows; ++line) {
     double* row = &raster.at(0, down ? raster.rows - 1 - line : line);
     if (band.RasterIO(GF_Read, 0, line, raster.columns, 1, row, raster.columns, 1, GDT_Float64, 0, 0, nullptr) !=
@@ -111,10 +113,13 @@ void read_values(GDALRasterBand& band, const std::string& path, bool down, PlanR
       fail();
     for (int c = 0; c < raster.columns; ++c) {
       double& value = row[c];
+      if (std::isnan(value) && !(has_no_data && std::isnan(no_data)) && !(masked && !valid[std::size_t(c)]))
+        unstated_nan.add(c, down ? raster.rows - 1 - line : line);
       if ((has_no_data && is_no_data(value, no_data)) || (masked && !valid[std::size_t(c)])) value = PlanRaster::none;
       if (has_scale || has_offset) value = (has_scale ? scale : 1) * value + (has_offset ? offset : 0);
     }
   }
+  return unstated_nan;
 }
 
 /// Throws if a height is the customary mark of no data, and the file states none: it would be a shaft 10 km deep.
@@ -164,7 +169,7 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterC
   } else if (is_length(content)) {
     expect_units(band, OGRSpatialReference(), metres_per_unit, path);
   }
-  read_values(band, path, down, read.raster, library);
+  read.unstated_nan = read_values(band, path, down, read.raster, library);
   int states_no_data = 0;
   band.GetNoDataValue(&states_no_data);
   if (content == RasterContent::heights && !states_no_data) expect_no_unstated_mark(read.raster, path);
@@ -174,7 +179,8 @@ GeoRaster read_geo_tiff(const std::string& path, double metres_per_unit, RasterC
 GeoRaster read_ascii(const std::string& path) {
   const GeoLibrary library;
   const OGRSpatialReference projection = projection_beside(path);
-  GeoRaster read{read_ascii_raster(path), wkt_of(projection), "ASC"};
+  AsciiRaster values = read_ascii_raster(path);
+  GeoRaster read{std::move(values.raster), wkt_of(projection), "ASC", values.unstated_nan};
   expect_metres(projection, path, "gdalwarp", 0.5 * (read.raster.corner + read.raster.far_corner()));
   return read;
 }

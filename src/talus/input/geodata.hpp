@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "talus/geometry/plan_raster.hpp"
+#include "talus/input/unstated_nan.hpp"
 
 namespace talus {
 
@@ -28,6 +29,7 @@ struct GeoRaster {
   PlanRaster raster;       ///< values in m
   std::string projection;  ///< as WKT; empty if the file states none
   std::string format;      ///< "ASC" or "GeoTIFF"
+  UnstatedNan unstated_nan;
 };
 
 enum class RasterContent {
@@ -45,6 +47,11 @@ GeoRaster read_geo_raster(const std::string& path, double metres_per_unit = 1,
 /// Throws if a raster that states no projection is in degrees, as it seems: it lies within 180 degrees east and west and 90
 /// north and south, with pixels smaller than a tenth of a degree.
 void expect_no_degrees(const GeoRaster& read, const std::string& path);
+
+/// Throws if distances in a projection, as WKT, are not those on the ground at a place: Web Mercator counts in metres, but in
+/// those of the equator, 1/cos(latitude) of a metre each. Two per cent are allowed, which every projection for a country
+/// keeps. Nothing is checked without a projection or beyond its area of use.
+void expect_true_lengths(const std::string& projection, Vec<2> place, const std::string& path);
 
 /// The whole pixels that a rectangle meets. Throws std::runtime_error if there are none.
 PlanRaster cropped(const PlanRaster& raster, Vec<2> low, Vec<2> high);

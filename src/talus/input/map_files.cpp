@@ -27,6 +27,18 @@ bool bring_in(Section& s, std::string_view key, const std::string& its_projectio
   return true;
 }
 
+/// Throws if pixels hold NaN that the file does not mark as no data: in a release they would be holes, unseen.
+void expect_no_unstated_nan(const GeoRaster& read, const std::string& path) {
+  const UnstatedNan& nan = read.unstated_nan;
+  if (nan.n == 0) return;
+  const Vec<2> at = read.raster.middle(nan.column, nan.row);
+  throw std::runtime_error(fmt::format(
+      "{} holds NaN in {} of {} pixels, such as at ({:.10g}, {:.10g}), and does not state that NaN marks places without "
+      "data; state it, if nothing lies there: gdalwarp -srcnodata nan -dstnodata -9999 IN OUT.tif; or fill these pixels: "
+      "gdal_fillnodata.py",
+      path, nan.n, read.raster.values.size(), at[0], at[1]));
+}
+
 }  // namespace
 
 std::string path_in(const std::string& folder, const std::string& file) {
@@ -73,6 +85,7 @@ std::optional<PlanRaster> read_map_raster(Section& s, const Text& key, const std
   std::optional<PlanRaster> raster;
   complain_where_it_throws(s, key.key, [&] {
     GeoRaster read = read_geo_raster(path_in(folder, file), metres, content);
+    if (content != RasterContent::classes) expect_no_unstated_nan(read, path_in(folder, file));
     if (bring_in(s, key.key, read.projection, map.frame, read.raster)) raster = std::move(read.raster);
   });
   return raster;

@@ -24,7 +24,7 @@ Vec<2> in_run(const std::vector<double>& place, const Case& case_) {
   return Vec<2>{place[0], place[1]} - case_.map->frame.origin;
 }
 
-bool is_known_at(const Case& case_, const Vec<2>& x) { return case_.map->ground->is_known(x[0], x[1]); }
+bool is_known_at(const Case& case_, const Vec<2>& x) { return case_.map->ground->is_known_up_to_edge(x[0], x[1]); }
 double height_at(const Case& case_, const Vec<2>& x) { return case_.map->ground->at(x[0], x[1]).height; }
 
 /// Complains where there is no terrain, unless there should be one.

@@ -114,6 +114,38 @@ std::string fault_of_thickness(double here, const std::string& below, const std:
                      in_words(Range::between(0, most_thickness), "m"));
 }
 
+/// Pixels without data that a release of a raster surrounds: a path between pixels side by side or corner to corner, over
+/// pixels that hold no thickness, leads from none of them to the edge of the raster.
+struct Enclosed {
+  long n = 0;
+  Vec<2> first{};  ///< the middle of one [m]
+};
+
+Enclosed enclosed_gaps(const PlanRaster& t) {
+  std::vector<char> is_reached(t.values.size(), 0);
+  std::vector<Index<2>> next;
+  const auto reach = [&](int column, int row) {
+    if (!t.has_pixel(column, row) || t.at(column, row) > 0 || is_reached[t.index(column, row)]) return;
+    is_reached[t.index(column, row)] = 1;
+    next.push_back({column, row});
+  };
+  for_each_pixel(t, [&](int column, int row) {
+    if (column == 0 || row == 0 || column + 1 == t.columns || row + 1 == t.rows) reach(column, row);
+  });
+  while (!next.empty()) {
+    const Index<2> from = next.back();
+    next.pop_back();
+    for (int column = from[0] - 1; column <= from[0] + 1; ++column)
+      for (int row = from[1] - 1; row <= from[1] + 1; ++row) reach(column, row);
+  }
+  Enclosed enclosed;
+  for_each_pixel(t, [&](int column, int row) {
+    if (!std::isnan(t.at(column, row)) || is_reached[t.index(column, row)]) return;
+    if (enclosed.n++ == 0) enclosed.first = t.middle(column, row);
+  });
+  return enclosed;
+}
+
 /// Complains where a raster of thickness holds no thickness. Beside the polygons, if there are any, nothing counts.
 void check_raster(Section& s, const MapFrame& frame, Release& release) {
   PlanRaster& t = *release.raster;
@@ -133,6 +165,12 @@ void check_raster(Section& s, const MapFrame& frame, Release& release) {
                                               : s.has("bottom") ? "`bottom`"
                                                                 : "the terrain",
                                               on_map(t.middle((*wrong)[0], (*wrong)[1]), frame)));
+  if (const Enclosed gaps = release.outlines ? Enclosed{} : enclosed_gaps(t); gaps.n > 0)
+    return s.complain(
+        key, fmt::format("has no data in {} pixel{} that the release surrounds, such as at {}; write {} there if nothing "
+                         "is released, or fill them: gdal_fillnodata.py IN OUT",
+                         gaps.n, gaps.n > 1 ? "s" : "", on_map(gaps.first, frame),
+                         key == "top" ? "the height below the release" : "0"));
   for_each_pixel(t, [&](int column, int row) {
     if (!counts(column, row)) t.at(column, row) = std::max(t.at(column, row), 0.0);  // none stays none
   });

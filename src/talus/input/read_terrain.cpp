@@ -136,6 +136,8 @@ std::optional<GroundRead> read_raster_of_heights(Section& s, const std::string& 
       s.complain("projection", fmt::format("is {}, but {} states {}", name_of_projection(stated), file,
                                            name_of_projection(read.projection)));
     map.frame.projection = read.projection.empty() ? stated : read.projection;
+    expect_true_lengths(map.frame.projection, 0.5 * (read.raster.corner + read.raster.far_corner()),
+                        path_in(folder, file));
     map.geotiff = read.format == "GeoTIFF";
     ground = GroundRead{std::move(read.raster), {}};
   });

@@ -95,6 +95,7 @@ void Ledger::add_outflow(const Outflow& out) {
   move(potential, outflow.potential, out.potential);
   move(elastic, outflow.elastic, out.elastic);
   for (std::size_t i = 0; i < out.mass_through.size(); ++i) outflow.mass_through[i] += out.mass_through[i];
+  for (std::size_t i = 0; i < out.places.size(); ++i) outflow.places[i].add(out.places[i]);
 }
 
 void Ledger::add_periods(const TileSums& particles) {

@@ -2,12 +2,30 @@
 /// The ledger: where mass, momentum and energy of a run are. Stages of the step say what they cost; only the ledger adds
 /// up.
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "talus/math/vec.hpp"
 #include "talus/mpm/tile_sums.hpp"
 
 namespace talus {
+
+/// Where material has left a run, in plan (in 2D the second coordinate is the height).
+struct OutflowPlace {
+  double mass = 0;                       ///< [kg]
+  Vec<2> weighted{};                     ///< sum of mass times place [kg m]
+  Vec<2> low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};  ///< the rectangle around all places [m]
+
+  void add(double its_mass, const Vec<2>& x) { add({its_mass, its_mass * x, x, x}); }
+  void add(const OutflowPlace& more) {
+    mass += more.mass;
+    weighted = weighted + more.weighted;
+    for (int a = 0; a < 2; ++a) low[a] = std::min(low[a], more.low[a]), high[a] = std::max(high[a], more.high[a]);
+  }
+  /// Centre of what has left here [m]; only where mass is not 0.
+  Vec<2> middle() const { return (1 / mass) * weighted; }
+};
 
 /// What has left a run since its start, and what it took along. Energies in J.
 struct Outflow {
@@ -16,8 +34,15 @@ struct Outflow {
   double kinetic = 0, potential = 0, elastic = 0;
   /// Its mass by where it left [kg]: the sides of the domain in their order, last ground whose height is not known.
   std::array<double, 7> mass_through{};
+  /// Where: at the sides, then over the gaps of the ground by their number, the last over all that come after.
+  std::array<OutflowPlace, 22> places{};
 };
 inline constexpr std::size_t unknown_ground = 6;
+
+/// The number of the place of a gap of the ground.
+inline std::size_t place_of_gap(int gap) {
+  return std::min(unknown_ground + std::size_t(std::max(gap, 0)), std::tuple_size_v<decltype(Outflow::places)> - 1);
+}
 
 /// Where mass, momentum and energy of a run are. Energies in J; in plane strain per metre of thickness, axisymmetric per
 /// radian.

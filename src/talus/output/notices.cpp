@@ -63,9 +63,19 @@ std::string notice_of_symmetry(const Case& case_) {
                      planes == 1 ? "" : "s");
 }
 
-std::string notice_of_outflow(const Ledger& l) {
+std::string notice_of_outflow(const RunSummary& run) {
+  const Ledger& l = run.ledger;
   if (l.outflow.mass == 0) return "";
   std::vector<std::string> ways;
+  if (const std::vector<OutflowOnMap>& places = run.outflow; !places.empty()) {
+    constexpr std::size_t most = 4;  // the record has all
+    for (std::size_t i = 0; i < std::min(most, places.size()); ++i) ways.push_back(in_words(places[i]));
+    if (places.size() > most) ways.push_back(fmt::format("and {} further places", places.size() - most));
+    return fmt::format(
+        "{:.3g} kg, {:.3g} % of the mass, have left the domain: {}. Runout and deposit are those of the material in "
+        "the domain.",
+        l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass), fmt::join(ways, "; "));
+  }
   for (std::size_t way = 0; way < l.outflow.mass_through.size(); ++way)
     if (const double mass = l.outflow.mass_through[way]; mass > 0)
       ways.push_back(fmt::format("{} {:.3g} %",

@@ -25,8 +25,8 @@ std::string notice_of_preset(const Case& case_);
 /// That planes of symmetry leave only a part of the whole to be computed; empty if there are none.
 std::string notice_of_symmetry(const Case& case_);
 
-/// What has left a run through `outflow` sides; empty if nothing has.
-std::string notice_of_outflow(const Ledger& ledger);
+/// What has left a run through `outflow` sides, on terrain with the places on the map; empty if nothing has.
+std::string notice_of_outflow(const RunSummary& run);
 
 /// Lengths of the steps and what bounded them, in a sentence.
 std::string in_words(const StepTally& tally);

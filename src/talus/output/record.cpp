@@ -23,6 +23,20 @@ Json outflow_in_json(const Outflow& outflow) {
   return ways;
 }
 
+/// Where it has left, on the map.
+Json places_in_json(const std::vector<OutflowOnMap>& places) {
+  Json all = Json::array();
+  for (const OutflowOnMap& p : places)
+    all.push_back({{"where", p.name},
+                   {"mass_kilogram", p.mass},
+                   {"share", p.share},
+                   {"centre_east_north_metre", {p.middle[0], p.middle[1]}},
+                   {"from_east_north_metre", {p.low[0], p.low[1]}},
+                   {"to_east_north_metre", {p.high[0], p.high[1]}},
+                   {"length_metre", p.length()}});
+  return all;
+}
+
 Json run_in_json(const RunSummary& run) {
   const double particle_steps = double(run.n_particles) * double(run.ledger.step);
   return {{"outcome", !run.failure.empty() ? "failed"
@@ -43,7 +57,8 @@ Json run_in_json(const RunSummary& run) {
           {"warnings", run.warnings}};
 }
 
-void add_ledger(const Ledger& l, Json& record) {
+void add_ledger(const RunSummary& run, Json& record) {
+  const Ledger& l = run.ledger;
   record["ledger_joule"] = {{"initial", l.initial},
                             {"kinetic", l.kinetic},
                             {"potential", l.potential},
@@ -69,6 +84,7 @@ void add_ledger(const Ledger& l, Json& record) {
                          {"kinetic_joule", l.outflow.kinetic},
                          {"potential_joule", l.outflow.potential},
                          {"elastic_joule", l.outflow.elastic}};
+  if (!run.outflow.empty()) record["outflow"]["places"] = places_in_json(run.outflow);
   if (l.n_split + l.n_merged > 0) record["splitting"] = {{"split", l.n_split}, {"merged", l.n_merged}};
   record["wall_impulse_newton_second"] = vector(l.wall_impulse);
 }
@@ -164,7 +180,7 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
     record["case"][u.path] = {{"value", u.value}, {"default", u.by_default}, {"meaning", u.meaning}};
   record["machine"] = {{"processor", processor()}, {"processors", n_processors()}, {"threads", run.n_threads}};
   record["run"] = run_in_json(run);
-  add_ledger(run.ledger, record);
+  add_ledger(run, record);
   add_surfaces(run.surfaces, record);
   if (run.noise)
     record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};

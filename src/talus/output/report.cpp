@@ -161,6 +161,23 @@ std::string title_section(const Case& case_, const RunSummary& run) {
   return section + "<p>" + escaped(in_words(case_)) + "</p>\n";
 }
 
+/// Where material has left a run on terrain; nothing if none has.
+std::string outflow_section(const RunSummary& run) {
+  if (run.outflow.empty()) return "";
+  const Ledger& l = run.ledger;
+  std::string section = fmt::format(
+      "<h3>Material that left the domain</h3>\n<p>{:.3g} kg, {:.3g} % of the mass. Runout and deposit are those of the "
+      "material in the domain; gaps are ground without heights.</p>\n"
+      "<table>\n<tr><th>where</th><th>mass</th><th>share</th><th>centre, east and north</th><th>length</th></tr>\n",
+      l.outflow.mass, 100 * l.outflow.mass / (l.outflow.mass + l.mass));
+  for (const OutflowOnMap& p : run.outflow)
+    section += fmt::format(
+        "<tr><td>{}</td><td class=\"n\">{:.4g} kg</td><td class=\"n\">{:.3g} %</td><td class=\"n\">{}, {} m</td>"
+        "<td class=\"n\">{:.3g} m</td></tr>\n",
+        p.name, p.mass, 100 * p.share, grouped(p.middle[0]), grouped(p.middle[1]), p.length());
+  return section + "</table>\n";
+}
+
 /// What the maps say, and the maps.
 std::string maps_section(const std::filesystem::path& folder, const Case& case_, const RunSummary& run,
                          const std::vector<Picture>& maps) {
@@ -190,6 +207,7 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
   } catch (const std::exception& e) {  // a report without this map is better than none
     section += "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
   }
+  section += outflow_section(run);
   section += "<div class=\"charts\">\n";
   return section + pictures_section(case_, maps) + "</div>\n";
 }
@@ -344,7 +362,7 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
           "reset. A "
           "click shows the particles at that instant.</p>\n"
        << charts_section(folder, charts);
-  for (const std::string& notice : {notice_of_symmetry(case_), notice_of_outflow(run.ledger)})
+  for (const std::string& notice : {notice_of_symmetry(case_), run.outflow.empty() ? notice_of_outflow(run) : ""})
     if (!notice.empty()) tail << "<p>" << escaped(notice) << "</p>\n";
   if (!run.runout) {
     tail << outline_section(case_, run.start, run.end) << surface_profiles(profile_file(folder), extent(case_));

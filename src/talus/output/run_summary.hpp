@@ -8,6 +8,7 @@
 #include "talus/input/read.hpp"
 #include "talus/mpm/simulation.hpp"
 #include "talus/output/gauges.hpp"
+#include "talus/output/outflow_places.hpp"
 #include "talus/output/outline.hpp"
 #include "talus/output/pressure_noise.hpp"
 #include "talus/output/surface_forces.hpp"
@@ -32,6 +33,7 @@ struct RunSummary {
   std::string failure;                   ///< reason the run failed; empty if it did not
   bool stopped = false;                  ///< by the user, before its end
   std::optional<Runout> runout;          ///< of a run on terrain
+  std::vector<OutflowOnMap> outflow;     ///< places of a run on terrain where material has left
   std::optional<ThalwegRunout> thalweg;  ///< of one with a thalweg, if there was flow
   std::vector<GaugeSummary> gauges;
   bool came_to_rest = false;       ///< ended before its end, because its kinetic energy had fallen so far

@@ -11,9 +11,10 @@
 
 namespace talus {
 
-/// What particles from `first` on of all owners' parts of a body hold.
-template <int Dim, class Shape>
-Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first, long& n) {
+/// What particles from `first` on of all owners' parts of a body hold. `place_of(x)`: the number of the place in
+/// `Outflow::places` where a particle leaves.
+template <int Dim, class Shape, class PlaceOf>
+Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first, PlaceOf place_of, long& n) {
   const Particles<Dim>& p = body.particles;
   const std::vector<double> energies = elastic_energies<Dim>(body, first);
   Message mine;
@@ -35,15 +36,17 @@ Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int
         out.potential -= mass * m.gravity[a] * x;
       }
       out.elastic += row[2 * Dim + 1];
+      const Vec<2> x{row[2], row[4]};
+      out.places[place_of(x)].add(mass, x);
       ++n;
     }
   return out;
 }
 
 /// Takes out the particles whose place `is_out`, through the way of that number (`Outflow::mass_through`), and notes in the
-/// ledger what they took along.
-template <int Dim, class Shape, class IsOut>
-void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, Ledger& ledger) {
+/// ledger what they took along, and where: `place_of(x)` is the number in `Outflow::places`.
+template <int Dim, class Shape, class IsOut, class PlaceOf>
+void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, PlaceOf place_of, Ledger& ledger) {
   for (auto& body : m.bodies) {
     Particles<Dim>& p = body.particles;
     std::vector<int> order(std::size_t(p.size()));
@@ -56,7 +59,7 @@ void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, Ledger
     }
     if (kept == p.size() && m.backend.n_owners() == 1) continue;
     long n_left = 0;
-    Outflow out = held_by_particles<Dim, Shape>(m, body, kept, n_left);
+    Outflow out = held_by_particles<Dim, Shape>(m, body, kept, place_of, n_left);
     if (n_left == 0) continue;
     out.mass_through[way] = out.mass;
     ledger.add_outflow(out);
@@ -75,7 +78,8 @@ void let_out(Model<Dim, Shape>& m, Ledger& ledger) {
       const double x = (p.position(axis)[i] - m.domain.origin[axis]) / m.domain.h;
       return side % 2 == 0 ? x < 0 : x > m.domain.n_cells[axis];
     };
-    let_out_through(m, std::size_t(side), is_out, ledger);
+    let_out_through(
+        m, std::size_t(side), is_out, [&](const Vec<2>&) { return std::size_t(side); }, ledger);
   }
   if constexpr (Dim == 3)
     for (const Solid& solid : m.contact_finder.solids())
@@ -85,7 +89,7 @@ void let_out(Model<Dim, Shape>& m, Ledger& ledger) {
             [&](const Particles<Dim>& p, int i) {
               return !ground->surface->is_known(p.position(0)[i], p.position(1)[i]);
             },
-            ledger);
+            [&](const Vec<2>& x) { return place_of_gap(ground->surface->gap_at(x[0], x[1])); }, ledger);
 }
 
 }  // namespace talus
