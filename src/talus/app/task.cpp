@@ -121,8 +121,9 @@ Task read_task(const RunOptions& options) {
 }
 
 void expect_memory_for(const Case& case_) {
-  // At the start every process fills all bodies, then keeps its share.
-  const double needed = estimated_bytes(case_) * processes().n_on_this_machine(), free = free_memory();
+  // The first process collects snapshots of all particles; so does none on other machines.
+  const double share = double(processes().n_on_this_machine()) / processes().n();
+  const double needed = estimated_bytes(case_, share), free = free_memory();
   if (free > 0 && needed > free)
     throw InputError(
         fmt::format("{:.2g} particles need about {:.2g} GB of memory, and {:.2g} GB are free; use a larger "

@@ -59,4 +59,15 @@ class Backend {
   virtual std::vector<Message> gather_at_first(const Message& message) { return gather(message); }
 };
 
+/// Of whole numbers, whose sum does not depend on who has which.
+inline long sum_over_owners(Backend& backend, long mine) {
+  long sum = 0;
+  for (const Message& m : backend.gather({double(mine)})) sum += long(m.front());
+  return sum;
+}
+inline double largest_of_owners(Backend& backend, double mine) {
+  for (const Message& m : backend.gather({mine})) mine = mine < m.front() ? m.front() : mine;
+  return mine;
+}
+
 }  // namespace talus

@@ -29,13 +29,6 @@ struct Carried {
   double n_ids = 0;                                          ///< that particles have been given
 };
 
-/// Messages one after the other.
-inline std::vector<double> joined(const std::vector<Message>& messages) {
-  std::vector<double> all;
-  for (const Message& m : messages) all.insert(all.end(), m.begin(), m.end());
-  return all;
-}
-
 /// The first particle of a body in each tile of the run.
 template <int Dim, class Shape>
 std::vector<double> first_particles(const Model<Dim, Shape>& m, const Body<Dim>& body) {

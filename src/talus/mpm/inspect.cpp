@@ -14,6 +14,7 @@ const Quantity& common(std::string_view name) {
   return *std::find_if(std::begin(common_quantities), std::end(common_quantities),
                        [&](const Quantity& q) { return q.name == name; });
 }
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
 
 /// The id of the particle of the start that a particle was split from, or its own.
@@ -25,20 +26,18 @@ double ancestor_of(const Particles<Dim>& p, int i) {
 }  // namespace
 
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, const RowsOfIds& rows,
-                  Observation& seen) {
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen) {
   const Particles<Dim>& p = body.particles;
-  std::vector<std::size_t> row_of;
-  for (int i = 0; i < p.size(); ++i) row_of.push_back(rows.row(p.id()[i]));
+  const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(), last = first + std::size_t(p.size());
   const auto put = [&](const Quantity& q, auto evaluate) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
-      seen.fields.push_back(
-          {std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components,
-           std::vector<double>(rows.size() * std::size_t(q.components), std::numeric_limits<double>::quiet_NaN())});
+      seen.fields.push_back({std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components, {}});
       field = seen.fields.end() - 1;
     }
-    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[row_of[std::size_t(i)] * std::size_t(q.components)]);
+    const std::size_t n = std::size_t(q.components);
+    field->values.resize(last * n, unknown);  // other bodies may not have it
+    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[(first + std::size_t(i)) * n]);
   };
   put(place, [&](int i, double* v) {
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0;
@@ -72,43 +71,20 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
           put(q, [&](int i, double* v) { q.evaluate(law, state(i), rates[i], v); });
       },
       body.law);
+  for (Field& f : seen.fields) f.values.resize(last * std::size_t(f.components), unknown);
 }
 
 void gather(Backend& backend, Observation& seen) {
-  if (backend.n_owners() == 1) return;
-  const std::vector<double> own = seen.find("id")->values;
-  std::vector<std::size_t> rows;
-  for (std::size_t row = 0; row < own.size(); ++row)
-    if (!std::isnan(own[row])) rows.push_back(row);
-  const std::vector<Message> all_rows = backend.gather_at_first(Message(rows.begin(), rows.end()));
+  const std::vector<Message> ids = backend.gather_at_first(seen.find("id")->values);
+  const RowsOfIds rows(joined(ids));
   for (Field& f : seen.fields) {
     const std::size_t n = std::size_t(f.components);
-    Message mine;
-    for (std::size_t row : rows)
-      mine.insert(mine.end(), f.values.begin() + std::ptrdiff_t(row * n),
-                  f.values.begin() + std::ptrdiff_t((row + 1) * n));
-    const std::vector<Message> all = backend.gather_at_first(mine);
+    const std::vector<Message> all = backend.gather_at_first(f.values);
+    f.values.assign(rows.size() * n, unknown);
     for (std::size_t o = 0; o < all.size(); ++o)
-      for (std::size_t i = 0; i < all_rows[o].size(); ++i)
-        std::copy_n(&all[o][i * n], n, &f.values[std::size_t(all_rows[o][i]) * n]);
+      for (std::size_t i = 0; i < ids[o].size(); ++i)
+        std::copy_n(&all[o][i * n], n, &f.values[rows.row(ids[o][i]) * n]);
   }
-}
-
-void gather(Backend& backend, ParticlePlaces& all) {
-  if (backend.n_owners() == 1) return;
-  Message mine;
-  for (std::size_t row = 0; row < all.sizes.size(); ++row)
-    if (!std::isnan(all.sizes[row]))
-      mine.insert(mine.end(), {double(row), all.places[row][0], all.places[row][1], all.places[row][2], all.sizes[row],
-                               all.masses[row], double(all.ancestors[row])});
-  for (const Message& rows : backend.gather_at_first(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7) {
-      const auto at = std::size_t(row[0]);
-      all.places[at] = {row[1], row[2], row[3]};
-      all.sizes[at] = row[4];
-      all.masses[at] = row[5];
-      all.ancestors[at] = long(row[6]);
-    }
 }
 
 std::string gather(Backend& backend, const std::string& text) {
@@ -129,17 +105,16 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 }
 
 template <int Dim>
-void place_body(const Body<Dim>& body, bool axisymmetric, const RowsOfIds& rows, ParticlePlaces& all) {
+void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = 0; i < p.size(); ++i) {
-          const std::size_t row = rows.row(p.id()[i]);
-          for (int a = 0; a < 3; ++a) all.places[row][a] = a < Dim ? p.position(a)[i] : 0;
-          const double volume = volume_of(law, p, i);
-          all.sizes[row] = size_of_particle(volume, axisymmetric ? p.position(0)[i] : 1, Dim);
-          all.masses[row] = p.mass()[i];
-          all.ancestors[row] = long(ancestor_of(p, i));
+          rows.push_back(p.id()[i]);
+          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
+          rows.push_back(size_of_particle(volume_of(law, p, i), axisymmetric ? p.position(0)[i] : 1, Dim));
+          rows.push_back(p.mass()[i]);
+          rows.push_back(ancestor_of(p, i));
         }
       },
       body.law);
@@ -234,12 +209,12 @@ std::string describe(const Body<Dim>& body, int i) {
 }
 
 template <int Dim>
-std::vector<double> elastic_energies(const Body<Dim>& body, int first) {
+std::vector<double> elastic_energies(const Body<Dim>& body, TileParticles range) {
   const Particles<Dim>& p = body.particles;
   std::vector<double> energies;
   std::visit(
       [&]<class Law>(const Law& law) {
-        for (int i = first; i < p.size(); ++i) {
+        for (int i = range.begin; i < range.end; ++i) {
           const auto state = state_of<Law>(p, i);
           energies.push_back(p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state));
         }
@@ -280,13 +255,15 @@ std::optional<Stiffening> contact_stiffening(const Body<Dim>& body) {
   std::optional<Stiffening> stiffest;
   std::visit(
       [&]<class Law>(const Law& law) {
-        if constexpr (StiffensFromNothing<Law>)
+        if constexpr (StiffensFromNothing<Law>) {
+          stiffest = {0, law.stiffening(0).power};
           for (int i = 0; i < p.size(); ++i) {
             const double v = law.specific_volume(state_of<Law>(p, i));
             Stiffening c2 = law.stiffening(v - 1);
             c2.factor *= p.reference_volume()[i] * v / p.mass()[i];
-            if (!stiffest || c2.factor > stiffest->factor) stiffest = c2;
+            if (c2.factor > stiffest->factor) stiffest = c2;
           }
+        }
       },
       body.law);
   return stiffest;
@@ -312,20 +289,20 @@ FastestWave fastest_wave(const Body<Dim>& body, const Integration& how) {
   return {std::sqrt(fastest2), fastest};
 }
 
-template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, const RowsOfIds&, Observation&);
-template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, const RowsOfIds&, Observation&);
-template void place_body(const Body<2>&, bool, const RowsOfIds&, ParticlePlaces&);
-template void place_body(const Body<3>&, bool, const RowsOfIds&, ParticlePlaces&);
+template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, Observation&);
+template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&);
+template void add_places_of_body(const Body<2>&, bool, Message&);
+template void add_places_of_body(const Body<3>&, bool, Message&);
 template void add_flow_of_body(const Body<2>&, double, Message&);
 template void add_flow_of_body(const Body<3>&, double, Message&);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
-template std::vector<double> elastic_energies(const Body<2>&, int);
+template std::vector<double> elastic_energies(const Body<2>&, TileParticles);
 template double largest_volume_per_mass(const Body<2>&);
 template double largest_volume_per_mass(const Body<3>&);
-template std::vector<double> elastic_energies(const Body<3>&, int);
+template std::vector<double> elastic_energies(const Body<3>&, TileParticles);
 template double largest_acceleration_by_loads(const Body<2>&);
 template double largest_acceleration_by_loads(const Body<3>&);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);

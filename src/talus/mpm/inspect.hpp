@@ -29,26 +29,35 @@ class RowsOfIds {
   std::vector<double> ids_;
 };
 
-/// Adds a body's particles to an observation. `rates` holds their strain rates, in the order of the particles.
+/// Appends a body's particles to an observation. `rates` holds their strain rates, in the order of the particles.
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, const RowsOfIds& rows,
-                  Observation& seen);
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen);
 
-/// Puts together, for the first owner, what each can tell of its own particles; `seen` has room for all.
+/// Puts together, for the first owner, what each has seen of its own particles, in the order of ids. Others have nothing then.
 void gather(Backend& backend, Observation& seen);
-void gather(Backend& backend, ParticlePlaces& all);
 /// The first text that is not empty, in the order of owners.
 std::string gather(Backend& backend, const std::string& text);
 
-/// Fills in a body's particles, whose volumes are per radian if axisymmetric.
+/// Messages one after the other.
+inline std::vector<double> joined(const std::vector<Message>& messages) {
+  std::size_t n = 0;
+  for (const Message& m : messages) n += m.size();
+  std::vector<double> all;
+  all.reserve(n);
+  for (const Message& m : messages) all.insert(all.end(), m.begin(), m.end());
+  return all;
+}
+
+/// Adds the id, place, size, mass and ancestor of each of a body's particles, whose volumes are per radian if axisymmetric.
 template <int Dim>
-void place_body(const Body<Dim>& body, bool axisymmetric, const RowsOfIds& rows, ParticlePlaces& all);
+void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows);
+inline constexpr std::size_t place_row = 7;  ///< numbers of a particle there
 
 /// Adds the id, place, velocity, volume and mass of each of a body's particles. What has more than `most_room` [m3/kg] is
 /// spray, whose volume is mostly gap: it has so much.
 template <int Dim>
 void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows);
-inline constexpr int flow_row = 9;  ///< numbers of a particle there
+inline constexpr std::size_t flow_row = 9;  ///< numbers of a particle there
 
 /// What the pressure in a tile follows from: sums over the particles of each of its cells.
 template <int Dim>
@@ -71,9 +80,9 @@ struct CellPressures {
 template <int Dim>
 std::string describe(const Body<Dim>& body, int particle);
 
-/// Elastic energy stored in each particle of a body from `first` on [J].
+/// Elastic energy stored in each of some particles of a body [J].
 template <int Dim>
-std::vector<double> elastic_energies(const Body<Dim>& body, int first);
+std::vector<double> elastic_energies(const Body<Dim>& body, TileParticles range);
 
 /// Of all particles [m3/kg].
 template <int Dim>

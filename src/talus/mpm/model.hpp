@@ -38,16 +38,39 @@ struct StepInput {
   double least_mass;  ///< below which a node has none [kg]
 };
 
-/// Mean weight per volume of all bodies at the start [N/m3].
+/// The mass of particles that all owners have together [kg], by the same bits whoever has which: it is counted in 2^-32 of
+/// the largest one's.
+template <int Dim>
+double mass_of_all(const Particles<Dim>& p, Backend& backend) {
+  double largest = 0;
+  for (int i = 0; i < p.size(); ++i) largest = std::max(largest, p.mass()[i]);
+  largest = largest_of_owners(backend, largest);
+  const double unit = std::ldexp(largest, -32);
+  long n = 0;
+  for (int i = 0; i < p.size(); ++i) n += std::lround(p.mass()[i] / unit);
+  constexpr long half = 1L << 32;  // doubles, of which messages consist, hold whole numbers up to 2^53
+  return unit * (double(sum_over_owners(backend, n / half)) * double(half) + double(sum_over_owners(backend, n % half)));
+}
+
+/// Mean weight per volume of all bodies at the start [N/m3]. `volumes`: the largest volume per mass of each [m3/kg].
 template <int Dim, class Shape>
-double unit_weight_of(const std::vector<ShapedBody<Dim, Shape>>& bodies, const Vec<Dim>& gravity) {
+double unit_weight_of(const std::vector<ShapedBody<Dim, Shape>>& bodies, const std::vector<double>& volumes,
+                      const Vec<Dim>& gravity, Backend& backend) {
   double mass = 0, volume = 0;
-  for (const auto& body : bodies) {
-    const double of_body = std::accumulate(body.particles.mass(), body.particles.mass() + body.particles.size(), 0.0);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    const double of_body = mass_of_all(bodies[b].particles, backend);
     mass += of_body;
-    volume += of_body * largest_volume_per_mass<Dim>(body);
+    volume += of_body * volumes[b];
   }
   return volume > 0 ? mass / volume * std::sqrt(dot(gravity, gravity)) : 0;
+}
+
+/// The largest volume per mass of each body [m3/kg].
+template <int Dim, class Shape>
+std::vector<double> volumes_per_mass(const std::vector<ShapedBody<Dim, Shape>>& bodies, Backend& backend) {
+  std::vector<double> volumes;
+  for (const auto& body : bodies) volumes.push_back(largest_of_owners(backend, largest_volume_per_mass<Dim>(body)));
+  return volumes;
 }
 
 /// Time that a thread has taken for the stresses of a body's particles [s], and for how many updates.
@@ -66,13 +89,12 @@ struct Model {
         numerics(n),
         bodies(std::move(shaped_bodies)),
         backend(where),
-        contact_finder(box, std::move(solids), unit_weight_of(bodies, g)),
+        most_room(volumes_per_mass(bodies, where)),
+        contact_finder(box, std::move(solids), unit_weight_of(bodies, most_room, g, where)),
         rooms(box, bodies.front().shape),
         scratch(std::size_t(where.n_workers())) {
-    for (const auto& body : bodies) {
-      n_at_start.push_back(body.particles.size());
-      most_room.push_back(loosest * largest_volume_per_mass<Dim>(body));
-    }
+    for (double& room : most_room) room *= loosest;
+    for (const auto& body : bodies) n_at_start.push_back(sum_over_owners(where, body.particles.size()));
     n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
     most_particles = growth * n_particles;
     stress_times.assign(scratch.size(), std::vector<StressTime>(bodies.size()));
@@ -86,9 +108,9 @@ struct Model {
   long n_particles = 0;          ///< now, all owners together
   long most_particles = 0;       ///< there may ever be
   Backend& backend;
+  std::vector<double> most_room;  ///< that particles of a body need [m3/kg]
   ContactFinder<Dim> contact_finder;
   NodeRooms<Dim, Shape> rooms;
-  std::vector<double> most_room;  ///< that particles of a body need [m3/kg]
 
   // What follows from how particles are arranged (arrangement.hpp).
   Grid<Dim, Shape> grid;

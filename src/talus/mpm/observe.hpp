@@ -2,7 +2,6 @@
 /// What can be seen of a run between two steps.
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "talus/mpm/inspect.hpp"
@@ -29,46 +28,50 @@ std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBo
   return rates;
 }
 
-/// Of the particles that are there.
-template <int Dim, class Shape>
-RowsOfIds rows_of_ids(const Model<Dim, Shape>& m) {
-  Message mine;
-  for (const auto& body : m.bodies)
-    mine.insert(mine.end(), body.particles.id(), body.particles.id() + body.particles.size());
-  if (m.backend.n_owners() == 1) return RowsOfIds(std::move(mine));
-  std::vector<double> all;
-  for (const Message& ids : m.backend.gather(mine)) all.insert(all.end(), ids.begin(), ids.end());
-  return RowsOfIds(std::move(all));
-}
-
 /// Everything at an instant, of the particles that are there. If `broken`, particles may stand anywhere: strain rates are
 /// zero.
 template <int Dim, class Shape>
 Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken) {
   Observation seen{time, step, {}};
-  const RowsOfIds rows = rows_of_ids(m);
   int number = 0;
   for (const auto& body : m.bodies) {
     const auto rates =
         broken ? std::vector<SymTensor<double>>(std::size_t(body.particles.size()), SymTensor<double>::zero())
                : strain_rates(m, body);
-    observe_body<Dim>(body, number++, rates, rows, seen);
+    observe_body<Dim>(body, number++, rates, seen);
   }
   gather(m.backend, seen);
   return seen;
 }
 
+/// Rows of so many numbers, of which the first is an id: those of all owners in the order of ids, for the first owner.
+class GatheredRows {
+ public:
+  GatheredRows(Backend& backend, const Message& mine, std::size_t n_numbers) : all_(backend.gather_at_first(mine)) {
+    for (const Message& of_owner : all_)
+      for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += n_numbers)
+        rows_.push_back(row);
+    std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
+  }
+  auto begin() const { return rows_.begin(); }
+  auto end() const { return rows_.end(); }
+
+ private:
+  std::vector<Message> all_;
+  std::vector<const double*> rows_;
+};
+
 template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
-  constexpr double nowhere = std::numeric_limits<double>::quiet_NaN();
-  const RowsOfIds rows = rows_of_ids(m);
+  Message mine;
+  for (const auto& body : m.bodies) add_places_of_body<Dim>(body, m.domain.axisymmetric, mine);
   ParticlePlaces all;
-  all.places.resize(rows.size());
-  all.sizes.resize(rows.size(), nowhere);
-  all.masses.resize(rows.size());
-  all.ancestors.resize(rows.size());
-  for (const auto& body : m.bodies) place_body<Dim>(body, m.domain.axisymmetric, rows, all);
-  gather(m.backend, all);
+  for (const double* row : GatheredRows(m.backend, mine, place_row)) {
+    all.places.push_back({row[1], row[2], row[3]});
+    all.sizes.push_back(row[4]);
+    all.masses.push_back(row[5]);
+    all.ancestors.push_back(long(row[6]));
+  }
   return all;
 }
 
@@ -76,15 +79,8 @@ template <int Dim, class Shape>
 FlowPoints flow_of(const Model<Dim, Shape>& m) {
   Message mine;
   for (std::size_t b = 0; b < m.bodies.size(); ++b) add_flow_of_body<Dim>(m.bodies[b], m.most_room[b], mine);
-  const RowsOfIds order = rows_of_ids(m);
-  std::vector<const double*> rows(order.size());
-  const std::vector<Message> all = m.backend.gather_at_first(mine);
-  if (all.empty()) return {};
-  for (const Message& of_owner : all)
-    for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += flow_row)
-      rows[order.row(row[0])] = row;
   FlowPoints points;
-  for (const double* row : rows) {
+  for (const double* row : GatheredRows(m.backend, mine, flow_row)) {
     points.places.push_back({row[1], row[2], row[3]});
     points.velocities.push_back({row[4], row[5], row[6]});
     points.volumes.push_back(row[7]);

@@ -1,7 +1,10 @@
 #include "talus/mpm/simulation.hpp"
 
+#include <optional>
 #include <stdexcept>
 
+#include "talus/base/error.hpp"
+#include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
 #include "talus/mpm/start/body.hpp"
 
@@ -23,21 +26,38 @@ Domain<Dim> domain_of(const Case& case_) {
   return domain;
 }
 
+/// What `make` makes, if all owners succeed; else all throw what the first one found that did not.
+template <class Make>
+auto made_by_all(Backend& backend, Make make) {
+  std::optional<decltype(make())> made;
+  std::string mistake;
+  try {
+    made.emplace(make());
+  } catch (const InputError& e) {
+    mistake = e.what();
+  }
+  mistake = gather(backend, mistake);
+  if (!mistake.empty()) throw InputError(mistake);
+  return *std::move(made);
+}
+
+/// Of every body the part that this owner makes, until all are dealt out by place.
 template <int Dim>
-std::vector<Body<Dim>> make_bodies(const Case& case_) {
+std::vector<Body<Dim>> make_bodies(const Case& case_, Backend& backend) {
   std::vector<Body<Dim>> bodies;
   const Overburden overburden(case_);
+  const Part part{backend.owner(), backend.n_owners()};
   long n = 0;
   for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
-    bodies.push_back(make_body<Dim>(case_, int(b), overburden, n));
-    n += bodies.back().particles.size();
+    bodies.push_back(made_by_all(backend, [&] { return make_body<Dim>(case_, int(b), overburden, n, part); }));
+    n += sum_over_owners(backend, bodies.back().particles.size());
   }
   return bodies;
 }
 
 template <int Dim>
 std::unique_ptr<Simulation> make(const Case& case_, Backend& backend) {
-  std::vector<Body<Dim>> bodies = make_bodies<Dim>(case_);
+  std::vector<Body<Dim>> bodies = make_bodies<Dim>(case_, backend);
   Vec<Dim> gravity;
   for (int a = 0; a < Dim; ++a) gravity[a] = case_.gravity[a];
   const auto with = [&]<class Shape>(std::vector<Shape> shapes) {

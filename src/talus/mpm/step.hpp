@@ -32,16 +32,8 @@ class Stepper final : public Simulation {
       : model_(std::move(model)), surfaces_(std::size_t(model_.contact_finder.accounts().size())) {
     find_bounds_at_start();
     carried_.n_ids = double(model_.n_particles);
-    if (model_.backend.owner() != 0)  // the first owner deals out what all have made
-      for (auto& body : model_.bodies) body.particles.resize(0);
     arrange(model_);
-    double elastic = 0;
-    for (const auto& body : model_.bodies) {
-      double of_body = 0;
-      for (double energy : joined(model_.backend.gather(elastic_energies<Dim>(body, 0)))) of_body += energy;
-      elastic += of_body;
-    }
-    ledger_.start(add_up_particles(model_), elastic);
+    ledger_.start(add_up_particles(model_), elastic_energy());
     add_momentum(model_);
   }
 
@@ -214,11 +206,24 @@ class Stepper final : public Simulation {
     return speed;
   }
   void find_bounds_at_start() {
+    Backend& backend = model_.backend;
     for (const auto& body : model_.bodies) {
-      if (const auto stiffening = contact_stiffening<Dim>(body)) stiffenings_.push_back(*stiffening);
-      carried_.wave_speed = std::max(carried_.wave_speed, fastest_wave<Dim>(body, model_.numerics.integration).speed);
-      load_acceleration_ = std::max(load_acceleration_, largest_acceleration_by_loads<Dim>(body));
+      if (auto stiffening = contact_stiffening<Dim>(body)) {
+        stiffening->factor = largest_of_owners(backend, stiffening->factor);
+        stiffenings_.push_back(*stiffening);
+      }
+      const double wave_speed = fastest_wave<Dim>(body, model_.numerics.integration).speed;
+      carried_.wave_speed = std::max(carried_.wave_speed, largest_of_owners(backend, wave_speed));
+      const double by_loads = largest_acceleration_by_loads<Dim>(body);
+      load_acceleration_ = std::max(load_acceleration_, largest_of_owners(backend, by_loads));
     }
+  }
+  double elastic_energy() {
+    return model_.over_tiles([&](int t, int, TileSums& sums) {
+      if (!model_.has_particles(t)) return;
+      for (const auto& body : model_.bodies)
+        for (const double energy : elastic_energies<Dim>(body, body.tiles[std::size_t(t)])) sums[Sum::elastic] += energy;
+    })[Sum::elastic];
   }
 
   /// Distance in cells that a particle may go before particles are put in cell order again: a tenth, because where

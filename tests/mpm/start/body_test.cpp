@@ -127,6 +127,23 @@ TEST(StartOfABody, WithoutParticlesOrRestOrASideToLoadItIsRefused) {
   expect_in("load `foot` finds nothing of its side of body `block`", complaint(missed));
 }
 
+TEST(StartOfABody, APartHasTheParticlesOfTheWholeWithTheirNumbersAreasAndSpin) {
+  Case what = block();
+  what.loads = {{"on top", 0, 3, {0, -1, 0}, {}}};
+  what.bodies[0].angular_velocity = {0, 0, 2};
+  const Body<2> whole = made(what, 10);
+  int n = 0;
+  for (int number = 0; number < 3; ++number) {
+    const Body<2> part = make_body<2>(what, 0, Overburden(what), 10, {number, 3});
+    for (int i = 0; i < part.particles.size(); ++i, ++n)
+      for (int c = 0; c < whole.particles.columns().n_columns(); ++c)
+        EXPECT_EQ(part.particles.columns().column(c)[i], whole.particles.columns().column(c)[n]) << c;
+  }
+  EXPECT_EQ(n, 8);
+  // One of sixteen parts of eight particles has none, which is no mistake.
+  EXPECT_EQ(make_body<2>(what, 0, Overburden(what), 10, {0, 16}).particles.size(), 0);
+}
+
 TEST(MemoryOfParticles, IsWhatTransferOrderAndLoadsNeed) {
   Numerics n;
   n.transfer = Transfer::apic;
@@ -155,6 +172,7 @@ TEST(MemoryOfParticles, IsEstimatedFromTheirNumberAndColumns) {
   EXPECT_EQ(estimated_bytes(what), 8 * 8 * (15 + 21)) << "and its area";
   what.numerics.transfer = Transfer::apic;
   EXPECT_EQ(estimated_bytes(what), 8 * 8 * (19 + 21)) << "and four moments of velocity";
+  EXPECT_EQ(estimated_bytes(what, 0.5), 8 * 8 * (9.5 + 21)) << "half of the particles, but snapshots of all";
 }
 
 }  // namespace talus::start_body_test

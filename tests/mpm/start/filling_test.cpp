@@ -132,6 +132,30 @@ TEST_F(FilesOfACase, ScatteredParticlesStandAtRandomNearTheirPlacesInTheBodyAndH
   expect(with_body(box + "\nscatter = 0.6"), "scatter");
 }
 
+TEST_F(FilesOfACase, PartsOneAfterTheOtherAreTheWholeByTheSameBits) {
+  const std::string box = "box = { min = [\"1 m\", \"2 m\"], max = [\"4 m\", \"5 m\"] }\nspacing = \"0.5 m\"";
+  for (const std::string more : {"", "\nscatter = 0.3", "\nlattice = \"blue_noise\""}) {
+    const Case c = read(with_body(box + more));
+    const Filling whole = fill(c, c.bodies[0]);
+    ASSERT_EQ(whole.n_of_body, 36);
+    for (const int n_parts : {2, 5, 50}) {
+      Filling joined;
+      for (int i = 0; i < n_parts; ++i) {
+        const Filling part = fill(c, c.bodies[0], {i, n_parts});
+        EXPECT_EQ(part.first, long(joined.points.size()));
+        EXPECT_LE(int(part.points.size()), 36 / n_parts + 1);
+        EXPECT_EQ(part.n_of_body, 36);
+        EXPECT_EQ(part.centre, whole.centre);
+        joined.points.insert(joined.points.end(), part.points.begin(), part.points.end());
+        joined.volumes.insert(joined.volumes.end(), part.volumes.begin(), part.volumes.end());
+      }
+      EXPECT_EQ(joined.points, whole.points) << more;
+      EXPECT_EQ(joined.volumes, whole.volumes) << more;
+    }
+    if (more.empty()) EXPECT_EQ(whole.centre, (Vec<3>{2.5, 3.5, 0}));
+  }
+}
+
 TEST_F(FilesOfACase, BlueNoiseHasNoRowsAndTheMassOfEveryPart) {
   const std::string box = "box = { min = [\"1 m\", \"1 m\"], max = [\"9 m\", \"9 m\"] }\nspacing = \"0.25 m\"";
   const auto filled = [&](const std::string& more) {

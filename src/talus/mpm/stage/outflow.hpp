@@ -16,7 +16,7 @@ namespace talus {
 template <int Dim, class Shape, class PlaceOf>
 Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first, PlaceOf place_of, long& n) {
   const Particles<Dim>& p = body.particles;
-  const std::vector<double> energies = elastic_energies<Dim>(body, first);
+  const std::vector<double> energies = elastic_energies<Dim>(body, {first, p.size()});
   Message mine;
   for (int i = first; i < p.size(); ++i) {
     mine.push_back(p.mass()[i]);

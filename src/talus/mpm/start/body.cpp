@@ -12,17 +12,6 @@ namespace talus {
 
 namespace {
 
-/// The centre of a body's mass.
-Vec<3> centre_of(const Filling& filling) {
-  Vec<3> centre{};
-  double whole = 0;
-  for (std::size_t i = 0; i < filling.points.size(); ++i) {
-    centre = centre + filling.volumes[i] * filling.points[i];
-    whole += filling.volumes[i];
-  }
-  return (1 / whole) * centre;
-}
-
 /// The state that a law has at rest. A layer on a slope that is too steep for it starts with as much of its deviatoric
 /// stress as it can bear.
 template <class Law>
@@ -52,9 +41,8 @@ auto state_at_rest(const Law& law, InitialState initial, const BodySpec& spec) {
 template <int Dim, class Law>
 void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const BodySpec& spec, const Filling& filling,
                    const Overburden& overburden, long first_id) {
-  const auto& [points, volumes] = filling;
+  const auto& [points, volumes, first, n_of_body, centre] = filling;
   const double density = bulk_density(case_.materials[spec.material], spec);
-  const Vec<3> centre = centre_of(filling);
   for (int i = 0; i < p.size(); ++i) {
     const Vec<3> velocity = spec.velocity + cross(spec.angular_velocity, points[i] - centre);
     const auto state =
@@ -71,26 +59,26 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
     }
     p.mass()[i] = density * volumes[i];
     p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);
-    p.id()[i] = double(first_id + i);
+    p.id()[i] = double(first_id + first + i);
     set_state<Law>(p, i, at_rest);
     if (p.memory().extent) {
       const double edge = width_at_start(spec, volumes[i], Dim);
       for (int a = 0; a < Dim; ++a) p.extent(a)[i] = edge * edge;
-      p.ancestor()[i] = double(first_id + i);
+      p.ancestor()[i] = double(first_id + first + i);
     }
     if (p.memory().modulus)
       p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, case_.numerics.integration);
   }
 }
 
-/// The areas that loads act on.
+/// The areas that loads act on. `first`: the number in the body of its first particle here.
 template <int Dim>
-void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& filling) {
+void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& whole, long first) {
   for (std::size_t k = 0; k < body.loads.size(); ++k) {
-    const std::vector<double> areas = loaded_areas(case_, body.loads[k], filling);
+    const std::vector<double> areas = loaded_areas(case_, body.loads[k], whole);
     if (std::ranges::none_of(areas, [](double area) { return area > 0; }))
       throw InputError("load `" + body.loads[k].name + "` finds nothing of its side of body `" + body.name + "`");
-    std::ranges::copy(areas, body.particles.loaded_area(int(k)));
+    std::copy_n(areas.begin() + first, body.particles.size(), body.particles.loaded_area(int(k)));
   }
 }
 
@@ -102,7 +90,7 @@ ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads, boo
       n_loads, numerics.particle_splitting && flows};
 }
 
-double estimated_bytes(const Case& case_) {
+double estimated_bytes(const Case& case_, double share) {
   double numbers = 0;
   for (std::size_t b = 0; b < case_.bodies.size(); ++b) {
     const BodySpec& body = case_.bodies[b];
@@ -110,9 +98,9 @@ double estimated_bytes(const Case& case_) {
     const int n_loads = int(std::ranges::count_if(case_.loads, acts_here));
     const double of_a_particle = std::visit(
         [&]<class Law>(const Law&) {
-          double n =
-              ParticleLayout(case_.dim, memory_of(case_.numerics, state_size<Law>, n_loads, !keeps_neighbours(Law{})))
-                  .n_columns();
+          const ParticleLayout layout(case_.dim,
+                                      memory_of(case_.numerics, state_size<Law>, n_loads, !keeps_neighbours(Law{})));
+          double n = share * layout.n_columns();
           for (const Quantity& q : common_quantities) n += q.components;  // of a snapshot
           for (const Quantity& q : Law::quantities()) n += q.components;
           return n;
@@ -124,10 +112,10 @@ double estimated_bytes(const Case& case_) {
 }
 
 template <int Dim>
-Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden, long first_id) {
+Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden, long first_id, Part part) {
   const BodySpec& spec = case_.bodies[number];
-  const Filling filling = fill(case_, spec);
-  if (filling.points.empty())
+  const Filling filling = fill(case_, spec, part);
+  if (filling.n_of_body == 0)
     throw InputError("body `" + spec.name + "` has no particles: its spacing is larger than the body");
   std::vector<SurfaceLoad> loads;
   for (const SurfaceLoad& load : case_.loads)
@@ -141,13 +129,14 @@ Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden,
         Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(memory), {}, loads};
         body.particles.resize(int(filling.points.size()));
         set_particles(body.particles, law, case_, spec, filling, overburden, first_id);
-        set_loaded_areas(body, case_, filling);
+        if (!body.loads.empty())
+          set_loaded_areas(body, case_, part.of == 1 ? filling : fill(case_, spec), filling.first);
         return body;
       },
       scaled);
 }
 
-template Body<2> make_body(const Case&, int, const Overburden&, long);
-template Body<3> make_body(const Case&, int, const Overburden&, long);
+template Body<2> make_body(const Case&, int, const Overburden&, long, Part);
+template Body<3> make_body(const Case&, int, const Overburden&, long, Part);
 
 }  // namespace talus

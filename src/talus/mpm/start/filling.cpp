@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -119,6 +120,38 @@ void for_each_place(const Case& case_, const BodySpec& body, const Box& kept, F 
     if (x != BlueNoise::nowhere) f(x);
 }
 
+/// Calls f(place, volume) for the particles of a body, on this side of planes of symmetry. Volumes in a shape are relative.
+template <class F>
+void for_each_particle(const Case& case_, const BodySpec& body, const Box& kept, F f) {
+  const double close = 1e-9 * case_.cell;
+  const auto keep = [&](Vec<3> x, double volume) {
+    for (int a = 0; a < case_.dim; ++a) {
+      if (x[a] < kept.min[a] - close || x[a] > kept.max[a] + close) return;
+      const bool on_plane = x[a] <= kept.min[a] + close || x[a] >= kept.max[a] - close;
+      if (on_plane) {
+        x[a] = std::clamp(x[a], kept.min[a], kept.max[a]);
+        volume *= 0.5;
+      }
+    }
+    f(x, volume);
+  };
+  if (const auto* list = std::get_if<PointList>(&body.region)) {
+    for (std::size_t i = 0; i < list->places.size(); ++i) keep(list->places[i], list->volumes[i]);
+  } else if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
+    for_each_point(*layer, keep);
+  } else {
+    for_each_place(case_, body, kept, [&](const Vec<3>& x) { keep(x, case_.axisymmetric ? x[0] : 1); });
+  }
+}
+
+/// The volume that the particles of a shape share [m3], around an axis per radian.
+double volume_to_share(const Case& case_, const BodySpec& body, const Box& kept) {
+  if (case_.axisymmetric) return volume_per_radian(body.region);
+  const bool is_cut =
+      std::ranges::any_of(case_.walls, [](const Wall& wall) { return wall.kind == WallKind::symmetry; });
+  return is_cut ? volume(body.region, case_.dim, kept) : volume(body.region, case_.dim);
+}
+
 }  // namespace
 
 int lattice_planes(const BodySpec& body, const Box& box, int axis) {
@@ -135,40 +168,32 @@ double lattice_places(const Case& case_, const BodySpec& body) {
   return n;
 }
 
-Filling fill(const Case& case_, const BodySpec& body) {
+Filling fill(const Case& case_, const BodySpec& body, Part part) {
   const Box kept = kept_by_symmetry(case_);
-  const double close = 1e-9 * case_.cell;
   Filling filling;
+  long last = std::numeric_limits<long>::max();
+  if (part.of > 1) {
+    long n = 0;
+    for_each_particle(case_, body, kept, [&](const Vec<3>&, double) { ++n; });
+    filling.first = n * part.number / part.of;
+    last = n * (part.number + 1) / part.of;
+  }
   double sum = 0;
-  const auto add = [&](Vec<3> x, double volume) {
-    for (int a = 0; a < case_.dim; ++a) {
-      if (x[a] < kept.min[a] - close || x[a] > kept.max[a] + close) return;
-      const bool on_plane = x[a] <= kept.min[a] + close || x[a] >= kept.max[a] - close;
-      if (on_plane) {
-        x[a] = std::clamp(x[a], kept.min[a], kept.max[a]);
-        volume *= 0.5;
-      }
-    }
+  Vec<3> moment{};
+  for_each_particle(case_, body, kept, [&](const Vec<3>& x, double volume) {
+    const long number = filling.n_of_body++;
+    sum += volume;
+    moment = moment + volume * x;
+    if (number < filling.first || number >= last) return;
     filling.points.push_back(x);
     filling.volumes.push_back(volume);
-    sum += volume;
-  };
-  if (const auto* list = std::get_if<PointList>(&body.region)) {
-    for (std::size_t i = 0; i < list->places.size(); ++i) add(list->places[i], list->volumes[i]);
+  });
+  filling.centre = (1 / sum) * moment;
+  if (std::holds_alternative<PointList>(body.region) || std::holds_alternative<SurfaceLayer>(body.region))
     return filling;
-  }
-  if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
-    for_each_point(*layer, [&](const Vec<3>& x, double volume) { add(x, volume); });
-    return filling;
-  }
-  for_each_place(case_, body, kept, [&](const Vec<3>& x) { add(x, case_.axisymmetric ? x[0] : 1); });
   // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
   // proportion to their radius.
-  bool cut = false;
-  for (const Wall& wall : case_.walls) cut |= wall.kind == WallKind::symmetry;
-  const double whole = case_.axisymmetric ? volume_per_radian(body.region)
-                       : cut              ? volume(body.region, case_.dim, kept)
-                                          : volume(body.region, case_.dim);
+  const double whole = volume_to_share(case_, body, kept);
   for (double& v : filling.volumes) v = whole * v / sum;
   return filling;
 }
