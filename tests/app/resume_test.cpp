@@ -232,10 +232,10 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
     std::function<void()> inflict;
   };
   const std::vector<Damage> damages = {
-      {"it is damaged: cut off, or changed", [&] { fs::resize_file(newer, whole.size() / 2); }},
-      {"it is damaged: cut off, or changed", [&] { fs::resize_file(newer, whole.size() - 1); }},
-      {"it is damaged: cut off, or changed", [&] { spoil(newer, whole.size() / 2); }},
-      {"it is damaged: cut off, or changed", [&] { spoil(newer, whole.size() - 2); }},
+      {"it is damaged: truncated or changed", [&] { fs::resize_file(newer, whole.size() / 2); }},
+      {"it is damaged: truncated or changed", [&] { fs::resize_file(newer, whole.size() - 1); }},
+      {"it is damaged: truncated or changed", [&] { spoil(newer, whole.size() / 2); }},
+      {"it is damaged: truncated or changed", [&] { spoil(newer, whole.size() - 2); }},
       {"it is no checkpoint of talus", [&] { fs::resize_file(newer, 0); }},
       {"it is no checkpoint of talus", [&] { std::ofstream(newer) << "\x89HDF\r\n\x1a\n and so on"; }},
       {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 7", "checkpoint 8"); }},

@@ -563,7 +563,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
         c.materials[1].name = "others";
         grow_with_rate(c);
       },
-      "domain.walls.y_min.kind cannot be rough: friction of the materials grows differently with the rate");
+      "domain.walls.y_min.kind cannot be rough: friction of the materials increases differently with the rate");
   expect_mistake(
       [](Case& c) {
         c.gravity = {};

@@ -187,6 +187,28 @@ TEST(Laboratory, StrainsMayBeGivenInPercent) {
               "is not a plain number");
 }
 
+TEST(Laboratory, CombinationsThatFollowFromOtherComponentsAreRefused) {
+  const std::string follows = "follows from the other components", segment = "[[segment]]\n";
+  // yy has nothing to control: the strain of xx is that of xx, or constant.
+  EXPECT_SAYS(refusal(segment + "xx = { strain = 0.1 }\nyy = { combination = { strain_xx = 1 } }\n"), follows);
+  EXPECT_SAYS(refusal(segment + "yy = { combination = { strain_xx = 1, strain_zz = 2 } }\n"),
+              "test.toml:15:1: segment[0].yy");
+  EXPECT_SAYS(refusal(segment + "xx = { stress = \"held\" }\nyy = { combination = { stress_xx = 3 } }\n"), follows);
+  // Two with the same combination, and three of which one is the sum of the others.
+  EXPECT_SAYS(refusal(segment + "xx = { combination = { strain_xx = 1, strain_yy = 1 } }\n"
+                                "yy = { combination = { strain_xx = 2, strain_yy = 2 }, change = \"1 %\" }\n"),
+              follows);
+  EXPECT_SAYS(refusal(segment + "xx = { combination = { stress_xx = 1, stress_yy = -1 } }\n"
+                                "yy = { combination = { stress_yy = 1, stress_zz = -1 } }\n"
+                                "zz = { combination = { stress_xx = 1, stress_zz = -1 } }\n"),
+              follows);
+  // Stiffnesses of any size beside stresses are independent of each other.
+  for (const char* stiffness : {"1 Pa", "10 MPa", "1e6 MPa"})
+    EXPECT_EQ(refusal(segment + "xx = { combination = { stress_xx = 1, strain_zz = \"" + stiffness +
+                      "\" } }\nyy = { combination = { stress_yy = 1, strain_zz = \"" + stiffness + "\" } }\n"),
+              "");
+}
+
 TEST(Laboratory, WrongCombinationsCyclesLoopsAndStopsAreRefused) {
   EXPECT_SAYS(refusal("[[segment]]\nyy = { combination = {} }\n"), "needs a factor other than 0");
   EXPECT_SAYS(refusal("[[segment]]\nyy = { combination = { stress_yy = 1 }, change = 0.1 }\n"), "lacks its unit");

@@ -44,9 +44,21 @@ points = { file = "points.csv" }
 TEST(OverrideSeries, SplitsValuesAtCommasOutsideQuotesAndBrackets) {
   EXPECT_EQ(values_of("material.glass.phi_c=20 deg,30 deg"), (std::vector<std::string>{"'20 deg'", "'30 deg'"}));
   EXPECT_EQ(values_of("numerics.cfl=0.3, 0.5"), (std::vector<std::string>{"0.3", "0.5"}));
-  EXPECT_EQ(values_of(R"(output.pictures=["0 s", "1 s"],[])"), (std::vector<std::string>{R"(["0 s", "1 s"])", "[]"}));
+  EXPECT_EQ(values_of(R"(output.pictures=["0 s", "1 s"],[])"), (std::vector<std::string>{"[ '0 s', '1 s' ]", "[]"}));
   EXPECT_EQ(values_of(R"(title="a, b",'c')").size(), 2u);
   EXPECT_EQ(read_override_series("numerics.cfl=0.3").key, "numerics.cfl");
+}
+
+TEST(OverrideSeries, ValuesHaveOneTextHoweverTheyAreWritten) {
+  const std::vector<std::string> degrees{"'20 deg'", "'30 deg'"};
+  EXPECT_EQ(values_of("a.b='20 deg',\"30 deg\""), degrees);
+  EXPECT_EQ(values_of("a.b= 20 deg , \"30\\u0020deg\""), degrees);
+  EXPECT_EQ(values_of("a.b=1e-6,0.10"), values_of("a.b=0.000001,0.1"));
+  EXPECT_EQ(values_of(R"(a.b=["0 s","1 s"])"), values_of("a.b=[ '0 s',  '1 s' ]"));
+  // Quotes inside a text: as Python writes it, and as a user types it.
+  EXPECT_EQ(values_of(R"(title="a \"b\", c",'d')"), (std::vector<std::string>{R"('a "b", c')", "'d'"}));
+  EXPECT_EQ(values_of(R"(title=a "b" c)"), values_of(R"(title="a \"b\" c")"));
+  EXPECT_EQ(values_of("title=Lamb's wool,Ann's"), values_of(R"(title="Lamb's wool","Ann's")"));
 }
 
 TEST(OverrideSeries, RefusesWhatIsNoKeyWithValues) {

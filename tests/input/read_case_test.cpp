@@ -351,7 +351,7 @@ TEST(ReadCase, WallsThatMakeNoSenseAreRefused) {
   expect("\"periodic\"\ny_max = \"periodic\"\nx_min = \"periodic\"\nx_max = \"open\"",
          "needs the opposite side `x_max` to be periodic too");
   expect("{ friction = 0.3 }", "`kind` is missing");
-  expect("\"symmetry\"", "cannot be a plane of symmetry: gravity goes through it");
+  expect("\"symmetry\"", "cannot be a plane of symmetry: gravity is not parallel to it");
 }
 
 TEST(ReadCase, ABodyMayReachThroughAPlaneOfSymmetryAndNoOther) {

@@ -39,6 +39,19 @@ class ACase(InAFolder):
         self.assertTrue(settings["numerics.shape"].default)
         self.assertTrue(case.text.startswith("title = "))
 
+    def test_gets_another_table_in_place_of_one(self):
+        case = talus.Case(column)
+        soft = talus.Law("linear_elastic", E="1 MPa", nu=0.2)
+        case["material"]["sand"] = {**soft.to_dict(), "density": "1500 kg/m3"}
+        self.assertEqual(case["material"]["sand"].to_dict(),
+                         {"law": "linear_elastic", "E": "1 MPa", "nu": 0.2, "density": "1500 kg/m3"})
+        self.assertLess(case.text.index("nu = 0.2"), case.text.index("[body.column]"))
+        case.check()
+        before = case.text
+        with self.assertRaises(TypeError):
+            case["run"] = {"end": object()}
+        self.assertEqual(case.text, before)
+
     def test_loses_a_key(self):
         case = talus.Case(column)
         del case["output"]["history"]

@@ -156,6 +156,17 @@ class ASweep(InAFolder):
         self.assertEqual(code, 0, said)
         self.assertIn("2 runs, 2 of them complete", said)
 
+    def test_has_the_hashes_of_the_command_line_whatever_the_quotes(self):
+        titles = ["plain", "Lamb's", 'a "b", c', "a'b\"c", "x = [1, 2]", "\\psi"]
+        talus.sweep(self.column, {"title": titles, "run.end": ["1 ms"]}, out=self.folder / "python")
+        typed = ["plain", "Lamb's", '"a \\"b\\", c"', "a'b\"c", "'x = [1, 2]'", "\\psi"]
+        code, said = program("sweep", self.column, "--set", f"title={','.join(typed)}", "--set", 'run.end="1 ms"',
+                             "--out", self.folder / "shell")
+        self.assertEqual(code, 0, said)
+        of_python, of_shell = (talus.open(self.folder / n).record for n in ("python", "shell"))
+        self.assertEqual(of_python["runs"], of_shell["runs"])
+        self.assertEqual([run["settings"]["title"] for run in of_shell["runs"]], titles)
+
     def test_grows_and_keeps_what_is_complete(self):
         out = self.folder / "s"
         talus.sweep(self.column, {"material.sand.phi": ["20 deg"]}, out=out)

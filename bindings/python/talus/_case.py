@@ -99,9 +99,22 @@ class Section(MutableMapping):
             lines = "".join(f"{key_to_toml(k)} = {to_toml(v)}\n" for k, v in value.items())
             case._change(case.text.rstrip("\n") + f"\n\n[{header}]\n{lines}")
         elif isinstance(value, Mapping) and case._is_table_of_lines(path):
-            raise TypeError(f"{'.'.join(path)} is a table; set its keys one by one")
+            section._replace_table(last, value)
         else:
             case._change(solver().with_value(case.name, case.text, list(path), to_toml(value)))
+
+    def _replace_table(self, key: str, value: Mapping) -> None:
+        """Gives a table other keys and values. What stays equal keeps its lines; nothing changes if a key cannot be removed."""
+        table, before = Section(self._case, (*self._path, key)), self._case.text
+        try:
+            for old in [k for k in table if k not in value]:
+                del table[old]
+            for k, v in value.items():
+                if k not in table or table._values()[k] != v:
+                    table[k] = v
+        except Exception:
+            self._case._change(before)
+            raise
 
     def __delitem__(self, key: str) -> None:
         section, last = self._split(key)

@@ -115,12 +115,6 @@ def run(case: Union[Case, StrPath], out: Optional[StrPath] = None, *, threads: i
     return Run(folder)
 
 
-def _value_of_set(value: Any) -> str:
-    """A value for --set, with the text that `talus sweep` makes of it, so that either continues the other's runs."""
-    is_plain = isinstance(value, str) and value.isprintable() and "'" not in value
-    return f"'{value}'" if is_plain else to_toml(value)
-
-
 def _remove_results(folder: pathlib.Path) -> None:
     for name in ("checkpoint_0.h5", "checkpoint_1.h5", "history.csv", "surface.csv", "rings.csv", "record.json",
                  "report.html"):
@@ -151,7 +145,7 @@ def sweep(case: Union[Case, StrPath], values: Mapping[str, Sequence[Any]], out: 
     for key, series in values.items():
         if isinstance(series, (str, bytes)):
             raise TypeError(f"{key} needs a list of values")
-        words += ["--set", f"{key}={','.join(_value_of_set(value) for value in series)}"]
+        words += ["--set", f"{key}={','.join(to_toml(value) for value in series)}"]
     options = [*words, *_options(out=folder, workers=workers, threads=threads, overwrite=overwrite)]
     with tempfile.TemporaryDirectory() as temporary:
         if case.is_its_file():

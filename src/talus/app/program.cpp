@@ -133,7 +133,7 @@ class Commands {
     command->add_option("--workers", sweep_options_.workers, "runs at the same time [1]")->check(CLI::Range(1, 1024));
     command->add_option("--threads", sweep_options_.threads, "threads of each run [processors / workers]")
         ->check(CLI::Range(1, 4096));
-    command->add_flag("--overwrite", sweep_options_.overwrite, "begin every run of the sweep anew");
+    command->add_flag("--overwrite", sweep_options_.overwrite, "start every run of the sweep again");
     command->footer(
         "The same command continues a sweep that was stopped: complete runs stay, others resume from their last "
         "checkpoint.");
@@ -161,14 +161,14 @@ class Commands {
     command->add_option("DATA", calibrate_options_.data_file, "calibration file (TOML)")->required();
     command->add_option("--out", calibrate_options_.out, "folder for the results [out/DATA]");
     add_threads(command, calibrate_options_.threads, calibrate_options_.force_threads);
-    CLI::Option* overwrite = command->add_flag("--overwrite", calibrate_options_.overwrite,
-                                               "write into a folder that holds a calibration already");
+    CLI::Option* overwrite =
+        command->add_flag("--overwrite", calibrate_options_.overwrite, "overwrite the calibration in the folder");
     command->add_flag("--resume", calibrate_options_.resume, "resume from the last iteration, with the same result")
         ->excludes(overwrite);
   }
 
   void add_reproduce(CLI::App& app) {
-    CLI::App* command = add(app, "reproduce", "compute published figures again and check their claims",
+    CLI::App* command = add(app, "reproduce", "recompute published figures and check their claims",
                             [this] { return talus::reproduce(figure_options_); });
     command->add_option("FIGURE", figure_options_.figure, "a figure's number or folder, or `all`")->required();
     command->add_option("--from", figure_options_.from, "folder that holds the figures [validation]");

@@ -1,11 +1,12 @@
 #include "talus/app/progress.hpp"
 
 #include <fmt/format.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include <cmath>
 #include <cstdio>
+
+#include "talus/app/terminal.hpp"
 
 namespace talus {
 
@@ -43,9 +44,7 @@ std::string Progress::line(const Ledger& l, long n_particles) const {
 }
 
 std::string Progress::live_line(const Ledger& l, long n_particles) const {
-  winsize terminal{};
-  const bool is_known = ioctl(STDERR_FILENO, TIOCGWINSZ, &terminal) == 0 && terminal.ws_col > 0;
-  const std::size_t columns = is_known ? terminal.ws_col : 80;
+  const std::size_t columns = columns_of_stderr();
   const std::string whole = line(l, n_particles);
   if (whole.size() < columns) return whole;
   const double done = l.time - from_time_, left = done > 0 ? seconds() * (end_ - l.time) / done : INFINITY;
@@ -68,8 +67,9 @@ void Progress::show(const Ledger& ledger, long n_particles) {
 }
 
 void Progress::finish(const Ledger& ledger, long n_particles) {
-  fmt::print(stderr, "{}t = {:.4f} s   {} steps   {:.3g} M particle-steps/s   took {}\n", live_ ? to_line_start : "",
-             ledger.time, ledger.step, speed(ledger, n_particles), duration_in_words(seconds()));
+  if (live_) fmt::print(stderr, "{}", to_line_start);
+  say("t = {:.4f} s   {} steps   {:.3g} M particle-steps/s   took {}\n", ledger.time, ledger.step,
+      speed(ledger, n_particles), duration_in_words(seconds()));
 }
 
 }  // namespace talus

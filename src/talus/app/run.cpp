@@ -15,6 +15,7 @@
 #include "talus/app/progress.hpp"
 #include "talus/app/recorder.hpp"
 #include "talus/app/task.hpp"
+#include "talus/app/terminal.hpp"
 #include "talus/app/threads.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/mpm/start/plausibility.hpp"
@@ -34,8 +35,8 @@ class Run {
  public:
   explicit Run(const RunOptions& options);
 
-  /// Steps to the end of the case, or until a signal or a failure, and writes the results. Returns the exit code; throws
-  /// RunError if the run failed.
+  /// Steps to the end of the case, or until a signal or a failure, and writes the results. Returns the exit code;
+  /// throws RunError if the run failed.
   int run();
 
  private:
@@ -86,17 +87,16 @@ Run::Run(const RunOptions& options)
 
 int Run::run() {
   const int n = processes().n();
-  fmt::print(stderr, "{}: {} particles, {}{} thread{}; results in {}\n", case_.title, summary_.n_particles,
-             n > 1 ? fmt::format("{} processes of ", n) : "", summary_.n_threads, summary_.n_threads == 1 ? "" : "s",
-             task_.folder.string());
+  say("{}: {} particles, {}{} thread{}; results in {}\n", case_.title, summary_.n_particles,
+      n > 1 ? fmt::format("{} processes of ", n) : "", summary_.n_threads, summary_.n_threads == 1 ? "" : "s",
+      task_.folder.string());
   if (n > 1 && n_usable_processors() < summary_.n_threads)
-    fmt::print(stderr,
-               "warning: each process has {} threads and may use {} of the processors; mpirun --bind-to none lets it "
-               "use all\n",
-               summary_.n_threads, n_usable_processors());
-  for (const std::string& doubt : doubts_) fmt::print(stderr, "warning: {}\n", doubt);
+    say("warning: each process has {} threads and may use {} of the processors; mpirun --bind-to none lets it "
+        "use all\n",
+        summary_.n_threads, n_usable_processors());
+  for (const std::string& doubt : doubts_) say("warning: {}\n", doubt);
   processes().set_command_to_resume(how_to_resume());
-  if (task_.saved) fmt::print(stderr, "resumes from {}\n", recorder_.last_checkpoint());
+  if (task_.saved) say("resumes from {}\n", recorder_.last_checkpoint());
   const int signal = step_until_end_or_signal();
   progress_.finish(simulation_->ledger(), summary_.n_particles);
   complete_summary();
@@ -179,8 +179,8 @@ void Run::step_while_not(const Interrupt& interrupt) {
     progress_.show(simulation_->ledger(), summary_.n_particles);
   }
   recorder_.write_checkpoint(*simulation_);
-  // Rows and snapshots that are due only because the run ends come after the checkpoint: a run that is resumed beyond its
-  // end does not have them.
+  // Rows and snapshots that are due only because the run ends come after the checkpoint: a run that is resumed beyond
+  // its end does not have them.
   if (is_at_end()) recorder_.record(*simulation_, true);
   recorder_.snapshots().finish();
 }
@@ -233,8 +233,8 @@ void Run::add_reproducer() {
 
 /// Prints how to resume a run that a signal has stopped. Returns the exit code.
 int Run::stopped_by(int signal) const {
-  fmt::print(stderr, "stopped by {}; the checkpoint is {}. Resume with\n  {}\n",
-             signal == SIGINT ? "Ctrl-C" : "SIGTERM", recorder_.last_checkpoint(), how_to_resume());
+  say("stopped by {}; the checkpoint is {}. Resume with\n  {}\n", signal == SIGINT ? "Ctrl-C" : "SIGTERM",
+      recorder_.last_checkpoint(), how_to_resume());
   return exit_signal + signal;
 }
 
@@ -257,19 +257,22 @@ void Run::write_results() {
 }
 
 void Run::print_results(const std::vector<Picture>& drawn) const {
-  fmt::print(stderr, "{}\n", in_words(summary_.tally));
+  say("{}\n", in_words(summary_.tally));
   if (summary_.came_to_rest)
-    fmt::print(stderr, "ended at rest: the kinetic energy stayed below {:g} of its largest value (`stop_below`)\n",
-               case_.stop_below);
-  if (const std::string notice = notice_of_outflow(summary_); !notice.empty())
-    fmt::print(stderr, "{}\n", notice);
+    say("ended at rest: the kinetic energy stayed below {:g} of its largest value (`stop_below`)\n", case_.stop_below);
+  if (const std::string notice = notice_of_outflow(summary_); !notice.empty()) say("{}\n", notice);
   for (std::size_t i = doubts_.size(); i < summary_.warnings.size(); ++i)  // the doubts were printed at the start
-    fmt::print(stderr, "warning: {}\n", summary_.warnings[i]);
-  if (!has_gnuplot_)
-    fmt::print(stderr, "warning: no pictures: gnuplot is not installed. The report has curves and particles\n");
+    say("warning: {}\n", summary_.warnings[i]);
+  if (!has_gnuplot_) say("warning: no pictures: gnuplot is not installed. The report has curves and particles\n");
   if (!summary_.failure.empty()) return;
+  constexpr std::uintmax_t quick_to_open = 100'000'000;
+  const fs::path report = task_.folder / "report.html";
+  if (const std::uintmax_t bytes = fs::file_size(report); bytes > quick_to_open)
+    say("warning: report.html has {} MB. Browsers open such a page slowly or not at all; report = \"small\", fewer "
+        "`fields` or fewer `snapshots` make it smaller\n",
+        bytes / 1'000'000);
   if (!drawn.empty()) fmt::print("picture: {}\n", fs::absolute(drawn.front().file).string());
-  fmt::print("report:  {}\n", fs::absolute(task_.folder / "report.html").string());
+  fmt::print("report:  {}\n", fs::absolute(report).string());
 }
 
 }  // namespace

@@ -70,7 +70,7 @@ class Workers {
       std::signal(SIGTERM, SIG_DFL);
     }
     ::sigprocmask(SIG_SETMASK, &before, nullptr);
-    if (process < 0) throw std::runtime_error("no process can be started for a run");
+    if (process < 0) throw std::runtime_error("cannot start a process for a run");
     if (process == 0) {
       const int code = run_in_child(folder);
       std::fflush(nullptr);

@@ -121,7 +121,7 @@ Task read_task(const RunOptions& options) {
 }
 
 void expect_memory_for(const Case& case_) {
-  // The first process collects snapshots of all particles; so does none on other machines.
+  // Particles are shared among all processes; those of this machine share its memory.
   const double share = double(processes().n_on_this_machine()) / processes().n();
   const double needed = estimated_bytes(case_, share), free = free_memory();
   if (free > 0 && needed > free)

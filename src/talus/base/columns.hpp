@@ -18,10 +18,10 @@ class Columns {
   int size() const { return size_; }
   double* column(int c) { return data_[c].get(); }
   const double* column(int c) const { return data_[c].get(); }
-  /// Of all columns, until the next resize.
+  /// Rows that fit into all columns without new memory.
   double* const* pointers() const { return pointers_.data(); }
 
-  /// Keeps the first rows; new ones hold zeros.
+  /// Changes the number of rows. Existing rows keep their values; new rows are zero.
   void resize(int n) {
     for (std::size_t c = 0; c < data_.size(); ++c) {
       Storage larger = allocate(n);
@@ -32,7 +32,7 @@ class Columns {
     size_ = n;
   }
 
-  /// Row i becomes the former row rows[i]; rows may be taken several times, or not at all.
+  /// Replaces row i by the former row rows[i]. A row may be used several times, or not at all.
   void take(const std::vector<int>& rows) {
     for (std::size_t c = 0; c < data_.size(); ++c) {
       Storage taken = allocate(int(rows.size()));
@@ -43,8 +43,8 @@ class Columns {
     size_ = int(rows.size());
   }
 
-  /// Row i becomes the former row order[i], in one column. `spare` is used as working space and has at least size()
-  /// entries.
+  /// Permutes one column: row i becomes the former row order[i]. `spare` is used as working space and has at least
+  /// size() entries.
   void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {
     double* values = data_[c].get();
     for (int i = 0; i < size_; ++i) spare[i] = values[order[i]];

@@ -1,6 +1,6 @@
 #pragma once
 /// Eight numbers in one register of AVX-512, with the results of two registers of four (two_registers.hpp).
-/// `portability.hpp` includes this file where the target has AVX-512, and says what each function does.
+/// `portability.hpp` includes this file where the target has AVX-512, and documents each function.
 
 #include <immintrin.h>
 
@@ -12,7 +12,7 @@ typedef double EightDoubles __attribute__((vector_size(64)));
 typedef unsigned long EightBits __attribute__((vector_size(64)));
 typedef double EightDoublesAnywhere __attribute__((vector_size(64), aligned(8), may_alias));
 
-/// A bit each.
+/// A mask with one bit for each lane.
 struct EightMasks {
   __mmask8 bits;
 
@@ -41,7 +41,7 @@ inline EightDoubles blend(EightMasks m, EightDoubles a, EightDoubles b) { return
 inline EightDoubles fused_multiply_add(EightDoubles a, EightDoubles b, EightDoubles c) {
   return _mm512_fmadd_pd(a, b, c);
 }
-// With a mask of all lanes: GCC 12 takes what the forms without a mask leave undefined for a mistake.
+// Masked forms with all lanes set: GCC 12 warns of uninitialised values in the forms without a mask.
 inline EightDoubles square_roots(EightDoubles x) { return _mm512_mask_sqrt_pd(x, all_eight, x); }
 inline EightDoubles floors(EightDoubles x) { return _mm512_mask_floor_pd(x, all_eight, x); }
 inline EightDoubles magnitudes(EightDoubles x) { return _mm512_mask_abs_pd(x, all_eight, x); }

@@ -1,5 +1,5 @@
 #pragma once
-/// What can go wrong: the user's input, which the user can mend, or the run.
+/// Exceptions: errors in the input of the user, and failures of a run.
 
 #include <optional>
 #include <stdexcept>
@@ -8,16 +8,16 @@
 
 namespace talus {
 
-/// One mistake in an input file. `line` and `column` count from 1; 0 where the file as a whole is meant.
+/// One error in an input file. `line` and `column` count from 1; 0 stands for the whole file.
 struct Complaint {
   std::string file;
   int line = 0, column = 0;
-  std::string text;  ///< the key, what is wrong with it, what would be right
+  std::string text;  ///< the key, what is wrong with its value, what to write
 
   std::string to_string() const;
 };
 
-/// The input is not right; all complaints at once, in file order.
+/// Errors in the input, all of them, in file order.
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::vector<Complaint> complaints);
@@ -28,10 +28,10 @@ class InputError : public std::runtime_error {
   std::vector<Complaint> complaints_;
 };
 
-/// The run broke: what happened, to which particle, where, when and in what state.
+/// A run has failed. The message gives the cause, the particle, its position, the time and its state.
 class RunError : public std::runtime_error {
  public:
-  /// `particle`: the number of the one where it showed, if it is known.
+  /// `particle`: number of the particle at which the failure was found, if known.
   explicit RunError(const std::string& text, std::optional<long> particle = {})
       : std::runtime_error(text), particle_(particle) {}
   std::optional<long> particle() const { return particle_; }

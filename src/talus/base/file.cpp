@@ -107,11 +107,11 @@ void put_on_disk(const fs::path& file) {
   const int why = errno;
   ::close(descriptor);
   errno = why;
-  if (failed != 0 && why != EINVAL) refuse_to_write(file);  // EINVAL: the file system has nothing to put anywhere
+  if (failed != 0 && why != EINVAL) refuse_to_write(file);  // EINVAL: the file system has nothing to synchronise
 }
 
 FolderLock::FolderLock(const fs::path& folder) : descriptor_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC)) {
-  // File systems that know no locks have none of our trust to lose.
+  // File systems without locks: continue without a lock.
   if (descriptor_ >= 0 && ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
     ::close(descriptor_);
     throw InputError(fmt::format("another run is writing into {}", folder.string()));

@@ -1,6 +1,6 @@
 #pragma once
-/// Four numbers with the operators and the results of GCC's vectors: what device code has instead of them.
-/// `portability.hpp` includes it where it is needed, and says what each function does.
+/// Four numbers with the operators and results of GCC's vectors, for device code, which has no such vectors.
+/// `portability.hpp` includes this file where needed and documents each function.
 
 #include <bit>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 namespace talus {
 
-/// The bytes of a plain struct, eight at a time: all members that it has, or gets one day.
+/// The bytes of a plain struct, eight at a time: all its members, including later additions.
 template <class Plain>
 std::vector<double> image_of(const Plain& plain) {
   static_assert(std::is_trivially_copyable_v<Plain> && sizeof(Plain) % sizeof(double) == 0);
@@ -16,7 +16,7 @@ std::vector<double> image_of(const Plain& plain) {
   return image;
 }
 
-/// `plain` becomes what the image was taken of; the image has as many numbers as its own.
+/// Restores `plain` from an image of the same size.
 template <class Plain>
 void set_from_image(Plain& plain, const std::vector<double>& image) {
   static_assert(std::is_trivially_copyable_v<Plain> && sizeof(Plain) % sizeof(double) == 0);

@@ -1,5 +1,5 @@
 #pragma once
-/// One function object made of several, for std::visit.
+/// Combines several function objects into one, for std::visit.
 
 namespace talus {
 

@@ -1,5 +1,5 @@
 #pragma once
-/// What a user may set: one description serves the reader, the range check, the suggestion, the help and the documents.
+/// Settings of the user. Reader, range check, suggestions, help and documents use the same description.
 
 #include <functional>
 #include <limits>
@@ -9,7 +9,7 @@
 
 namespace talus {
 
-/// The range a number must lie in; an open end excludes its bound.
+/// Permitted range of a number; an open end excludes its bound.
 struct Range {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -48,20 +48,20 @@ struct Option {
   std::span<const Choice> choices;
 };
 
-/// A parameter together with the place it has in an object of type T.
+/// A parameter and the member of T that holds it.
 template <class T>
 struct ParameterOf : Parameter {
   std::function<double&(T&)> value;
 };
 
-/// An option together with the place that the number of its choice has in an object of type T.
+/// An option and the member of T that holds the number of its choice.
 template <class T>
 struct OptionOf : Option {
   std::function<void(T&, int choice)> set;
   std::function<int(const T&)> get;
 };
 
-/// The parameters of a part, as parameters of the whole that contains it.
+/// The parameters of a member as parameters of the object that contains it.
 template <class Whole, class Part>
 std::vector<ParameterOf<Whole>> lifted(std::span<const ParameterOf<Part>> table, Part Whole::*part) {
   std::vector<ParameterOf<Whole>> whole;

@@ -32,15 +32,15 @@ std::string as_csv(const ResultTable& result) {
 
 namespace {
 
-/// The character between the columns of a table, by its first line: spreadsheets also write semicolons, where the comma is
-/// the decimal sign, and tabs.
+/// The character between the columns of a table, by its first line: spreadsheets also write semicolons, where the comma
+/// is the decimal sign, and tabs.
 char separator_in(std::string_view header) {
   if (header.find(',') != header.npos) return ',';
   if (header.find(';') != header.npos) return ';';
   return header.find('\t') != header.npos ? '\t' : ',';
 }
 
-/// NaN for what is no number, such as "12 mm". With semicolons between columns a comma is a decimal sign.
+/// NaN if the text is not a number, such as "12 mm". With semicolons between columns a comma is a decimal sign.
 double number_in_cell(std::string_view cell, char separator) {
   cell.remove_prefix(std::min(cell.find_first_not_of(" +"), cell.size()));
   cell.remove_suffix(cell.size() - std::min(cell.find_last_not_of(' ') + 1, cell.size()));

@@ -11,7 +11,7 @@ namespace talus {
 
 namespace {
 
-/// Edits that make one word of the other (insert, delete, replace, swap neighbours); a change of case counts a quarter.
+/// Edit distance between two words (insert, delete, replace, swap neighbours); a change of case counts a quarter.
 double distance(std::string_view a, std::string_view b) {
   const auto cost = [](char x, char y) {
     if (x == y) return 0.0;
@@ -37,7 +37,7 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
   std::string_view best;
   double least = std::max(1.0, 0.4 * double(word.size())) + 1e-9;
   for (std::string_view c : candidates) {
-    double d = std::abs(double(word.size()) - double(c.size()));  // so many edits at least
+    double d = std::abs(double(word.size()) - double(c.size()));  // lower bound on the edits
     if (d < least) d = distance(word, c);
     if (c.size() > 2 && word.size() > 2 && (c.find(word) != c.npos || word.find(c) != word.npos))
       d = std::min(d, 0.5 * least);
@@ -52,15 +52,15 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
 namespace {
 
 /// Whether a UTF-8 text begins with a character that changes the order in which the text is shown (Unicode 15, UAX 9:
-/// U+202A to U+202E, U+2066 to U+2069), so that it reads as something else.
+/// U+202A to U+202E, U+2066 to U+2069), so that it is displayed as a different text.
 bool is_direction_control(std::string_view text) {
   if (text.size() < 3 || text[0] != '\xe2') return false;
   const auto second = static_cast<unsigned char>(text[1]), third = static_cast<unsigned char>(text[2]);
   return (second == 0x80 && third >= 0xaa && third <= 0xae) || (second == 0x81 && third >= 0xa6 && third <= 0xa9);
 }
 
-/// Bytes of the control character that a UTF-8 text begins with: C0, DEL, C1, which comes in two, or one of direction, in
-/// three; 0 if it is none.
+/// Bytes of the control character that a UTF-8 text begins with: C0 or DEL (one byte), C1 (two) or a change of
+/// direction (three); 0 if there is none.
 int control_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0xffu; };
   if (is_direction_control(text)) return 3;

@@ -1,5 +1,5 @@
 #pragma once
-/// Words: how alike they are, and lists of them.
+/// Text functions: similarity of words, printable text, names, lists of words.
 
 #include <string>
 #include <string_view>
@@ -7,15 +7,15 @@
 
 namespace talus {
 
-/// The candidate most like a word, if one is alike enough to be what was meant; otherwise empty. Case counts for
-/// little.
+/// The candidate most similar to a word if it is similar enough to be a misspelling; otherwise empty. Case has little
+/// weight.
 std::string_view most_alike(std::string_view word, const std::vector<std::string_view>& candidates);
 
-/// A text on one line and without characters that steer a terminal; these appear as `\n`, `\x1b` and the like.
+/// A text on one line without control characters; these appear as `\n`, `\x1b` and so on.
 std::string printable(std::string_view text);
 
-/// Why something must not be called so; empty if it may. Names become those of files, of columns and of keys: letters,
-/// digits, `_`, and after the first also `-`, `.` and blanks.
+/// Reason a name is invalid; empty if valid. Names are used for files, columns and keys: letters, digits, `_`, and
+/// after the first character also `-`, `.` and blanks.
 std::string fault_of_name(std::string_view name);
 
 /// "`a`, `b` or `c`"; or with another word before the last

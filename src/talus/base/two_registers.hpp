@@ -1,12 +1,12 @@
 #pragma once
-/// Two registers side by side with the operators and functions of one: as many numbers again. `portability.hpp` includes
-/// this file behind the registers there are, and says what each function does.
+/// Two registers with the operators and functions of one, for twice as many numbers. `portability.hpp` includes this
+/// file after the registers of the target and documents each function.
 
 #include "talus/base/portability.hpp"
 
 namespace talus {
 
-/// Of doubles, of their bits, or of truth values.
+/// Two registers of doubles, of their bits, or of truth values.
 template <class Register>
 struct Two {
   static constexpr int half = lanes_in<Register>;

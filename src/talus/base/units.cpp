@@ -19,7 +19,7 @@ struct FreeUnit {
 };
 using Unit = std::unique_ptr<ut_unit, FreeUnit>;
 
-/// The units there are. UDUNITS is not thread-safe: callers hold `mutex`.
+/// The system of units. UDUNITS is not thread-safe: callers hold `mutex`.
 struct UnitSystem {
   std::mutex mutex;
   ut_system* system;
@@ -54,7 +54,7 @@ constexpr Measure measures[] = {
     {unit_of_strain, "a strain", "5 %"},
 };
 
-/// UDUNITS counts angles as pure numbers and converts one into the other; we do not.
+/// UDUNITS treats angles as pure numbers and converts one into the other; talus does not.
 bool is_angle(const ut_unit* u) {
   char definition[256];
   return ut_format(u, definition, sizeof definition, UT_ASCII | UT_DEFINITION) > 0 &&
@@ -83,7 +83,7 @@ std::variant<double, std::string> to_si(std::string_view text, std::string_view 
   }
   if (rest.empty()) return "lacks its unit; write " + example_of(unit);
 
-  // UDUNITS takes more than units: factors ("3 mm 2" would be 6 mm), powers of 0 ("3 mm0 mm" would be 3 mm).
+  // UDUNITS accepts more than units: factors ("3 mm 2" would be 6 mm), powers of 0 ("3 mm0 mm" would be 3 mm).
   for (std::size_t i = rest.substr(0, 2) == "1/" ? 1 : 0; i < rest.size(); ++i) {
     const auto digit = [&](std::size_t at) { return std::isdigit(static_cast<unsigned char>(rest[at])) != 0; };
     if (!digit(i)) continue;

@@ -9,17 +9,17 @@
 
 namespace talus {
 
-/// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence why it has
-/// none. Units are those of UDUNITS-2, and deg.
+/// The SI value of a text like "2 mm" where `unit` ("m", "Pa", "m/s2", "rad" ...) is expected, or a sentence that says
+/// why the text has no such value. Units are those of UDUNITS-2, and deg.
 std::variant<double, std::string> to_si(std::string_view text, std::string_view unit);
 
 /// The unit of strains: the number 1, which may also be written in percent, 0.05 or "5 %".
 inline constexpr std::string_view unit_of_strain = "strain";
 
-/// What a unit measures, for messages: "a length" for "m". The unit itself where there is no word for it.
+/// The quantity that a unit measures, for messages: "a length" for "m"; the unit itself if there is no word.
 std::string what_is_measured_in(std::string_view unit);
 
-/// A value in SI, written shortly with its unit; bare for the unit "1".
+/// An SI value in short form with its unit; without unit for "1".
 std::string with_unit(double value, std::string_view unit);
 
 /// A range in words: "greater than 0", "between 0 and 1".
@@ -31,7 +31,7 @@ struct LengthUnit {
   double length;  ///< [m]
 };
 
-/// The one that lengths of a thing of some size [m] are best told in: mm, from 2 m on m, from 5 km on km, as in
+/// The unit for lengths of an object of this size [m]: mm, from 2 m on m, from 5 km on km, as in
 /// output/report/viewer.js.
 LengthUnit length_unit_for(double size);
 

@@ -1,8 +1,8 @@
 #pragma once
-/// What the user asks for: a run, as plain data in SI units.
+/// Description of a run by the user, as plain data in SI units.
 ///
-/// A member that is std::optional and says "by default" follows from the rest of the case where the user gives none:
-/// `resolve` fills it in (case/resolve.hpp), and the solver and the output find it filled.
+/// A std::optional member with the remark "by default" is computed from the rest of the case if the user does not set
+/// it: `resolve` fills it in (case/resolve.hpp), so it has a value in the solver and the output.
 
 #include <algorithm>
 #include <array>
@@ -28,9 +28,9 @@ inline constexpr Choice preset_choices[] = {
 
 enum class ShapeFunction { quadratic, linear, cubic, ugimp };
 inline constexpr Choice shape_function_choices[] = {
-    {"quadratic", "quadratic B-spline, three nodes an axis"},
-    {"linear", "hat function, two nodes an axis; stress is noisy where points cross cells"},
-    {"cubic", "cubic B-spline, four nodes an axis; the smoothest, the widest, the longest steps"},
+    {"quadratic", "quadratic B-spline, three nodes per axis"},
+    {"linear", "hat function, two nodes per axis; stress is noisy where points cross cells"},
+    {"cubic", "cubic B-spline, four nodes per axis; smoothest stress, longest steps, most work per step"},
     {"ugimp", "hat function averaged over a particle as wide as `spacing` (Bardenhagen and Kober 2004)"},
 };
 
@@ -60,7 +60,7 @@ inline constexpr Choice initial_stress_choices[] = {
      "at rest under its own weight and that of `k0` bodies above: vertical the sum of rho g z, "
      "horizontal K0 times that, K0 = 1 - sin(friction angle) (Jaky 1944)"},
     {"zero", "none"},
-};  // `given` has no word: in the file it is a table of components
+};  // `given` has no name in a file: there it is a table of components
 
 enum class Lattice { cells, corner, blue_noise };
 inline constexpr Choice lattice_choices[] = {
@@ -76,14 +76,14 @@ inline constexpr Quantity common_quantities[] = {
     {"velocity", "m/s", 3, "velocity of the material"},
     {"body", "1", 1, "number of the body, in the order of the case"},
     {"id", "1", 1, "number of the particle, from 0"},
-    {"ancestor", "1", 1, "id of the particle of the start that it was split from"},
+    {"ancestor", "1", 1, "id of the initial particle from which it was split"},
     {"mass", "kg", 1, "mass; in plane strain per metre of thickness, axisymmetric per radian"},
     {"volume", "m3", 1, "volume; in plane strain per metre of thickness, axisymmetric per radian"},
     {"stress", "Pa", 6, "total Cauchy stress, tension-positive"},
     {"p", "Pa", 1, "mean pressure of the total stress"},
     {"q", "Pa", 1, "von Mises stress of the total stress"},
     {"shear_rate", "1/s", 1, "|g| = sqrt(D:D/2) of the strain rate's deviator D"},
-    {"spin", "kg m2/s", 3, "angular momentum about the particle's own place; only with transfer apic"},
+    {"spin", "kg m2/s", 3, "angular momentum about the position of the particle; only with transfer apic"},
 };
 struct Material {
   std::string name;
@@ -98,7 +98,7 @@ struct Material {
 struct MapOfCase {
   std::shared_ptr<const Terrain> ground;  ///< of the solid `terrain`
   MapFrame frame;
-  bool geotiff = false;  ///< whether the terrain came as GeoTIFF, and maps go out so; otherwise as ESRI ASC
+  bool geotiff = false;  ///< format of the terrain and of the maps: GeoTIFF; otherwise ESRI ASCII
 
   bool operator==(const MapOfCase& o) const {
     return same_content(ground, o.ground) && frame == o.frame && geotiff == o.geotiff;
@@ -114,10 +114,10 @@ struct BodySpec {
   std::optional<double> void_ratio;
   InitialStress initial_stress = InitialStress::zero;
   SymTensor<double> given_stress = SymTensor<double>::zero();  ///< [Pa], tension-positive, if `given`
-  double scatter = 0;  ///< how far points stand off their places in the lattice, along each axis, over the spacing
-  int seed = 1;        ///< of the scatter, or of blue noise
-  Vec<3> velocity{};   ///< of the middle of its mass [m/s]
-  Vec<3> angular_velocity{};  ///< about the middle of its mass [rad/s]; in 2D its third component, positive from x to y
+  double scatter = 0;         ///< largest random offset of points from the lattice along each axis, over the spacing
+  int seed = 1;               ///< of the scatter, or of blue noise
+  Vec<3> velocity{};          ///< of its centre of mass [m/s]
+  Vec<3> angular_velocity{};  ///< about its centre of mass [rad/s]; in 2D the third component, positive from x to y
 
   bool operator==(const BodySpec&) const = default;
 };
@@ -127,21 +127,21 @@ inline constexpr Choice side_choices[] = {
     {"y_max", "where y is largest"}, {"z_min", "where z is least"},   {"z_max", "where z is largest"},
 };
 
-/// A stress on one side of a body. Area and direction are those of the start: a dead load.
+/// A stress on one side of a body, with the area and direction of the start (dead load).
 struct SurfaceLoad {
   std::string name;
   int body = 0;                 ///< index into Case::bodies
   int side = 0;                 ///< index into `side_choices`
   Vec<3> traction{};            ///< force per area on the body [Pa]
-  LinearInTime<double> factor;  ///< multiplies it; 1 if empty
+  LinearInTime<double> factor;  ///< factor on the traction; 1 if empty
   std::optional<Box> within{};  ///< only this part of the side [m]
 
-  /// Force per area at an instant [Pa].
+  /// Traction at an instant [Pa].
   Vec<3> at(double time) const { return factor.empty() ? traction : factor.at(time) * traction; }
   bool operator==(const SurfaceLoad&) const = default;
 };
 
-/// The traction of a pressure on a side [Pa], straight into the body.
+/// Traction of a pressure on a side [Pa], normal to the side and into the body.
 inline Vec<3> traction_of_pressure(int side, double pressure) {
   Vec<3> traction{};
   traction[side / 2] = (side % 2 == 0 ? 1 : -1) * pressure;
@@ -150,7 +150,7 @@ inline Vec<3> traction_of_pressure(int side, double pressure) {
 
 /// The defaults here are those of the preset `standard`; `numerics_of` in case/defaults.hpp has those of the others.
 struct Numerics {
-  Preset preset = Preset::standard;  ///< where the defaults of the rest come from
+  Preset preset = Preset::standard;  ///< determines the defaults of the other members
   ShapeFunction shape_function = ShapeFunction::quadratic;
   Transfer transfer = Transfer::affine_tau;
   std::optional<double> tau;  ///< [s], of transfers that have one (`has_tau`); by default from the height of the bodies
@@ -163,8 +163,9 @@ struct Numerics {
   std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};
   std::optional<double>
-      cfl;  ///< share of a cell that waves and particles cross in a step; by default that of the shape
-  /// Multiplies the elastic stiffness of every material: softer ground lets the steps be longer.
+      cfl;  ///< Courant number: share of a cell that waves and particles may cross in a step; by default that of the
+            ///< shape
+  /// Factor on the elastic stiffness of every material: softer material permits longer steps.
   double stiffness_factor = 1;
   std::optional<double> dt;  ///< fixed step [s]; without it the step adapts
 
@@ -173,19 +174,20 @@ struct Numerics {
 
 /// Maps of a run on a terrain.
 struct MapSpec {
-  std::optional<double> interval;         ///< between the instants that peaks are of [s]; by default from the terrain
-  std::optional<double> least_thickness;  ///< upright, of what counts as flow [m]; by default from the particles
-  std::optional<double> pixel;            ///< [m]; by default that of the terrain
-  std::optional<double> frames;           ///< between the instants that the report's map shows [s]; by default a share
+  std::optional<double> interval;  ///< between instants at which peaks are updated [s]; by default from the terrain
+  std::optional<double>
+      least_thickness;  ///< vertical thickness above which material counts as flow [m]; by default from the particles
+  std::optional<double> pixel;   ///< [m]; by default that of the terrain
+  std::optional<double> frames;  ///< between instants of the map in the report [s]; by default a share of the run
 
   bool operator==(const MapSpec&) const = default;
 };
 
-/// Where the flow over a terrain is measured: a place, or a line across it.
+/// Place, or line across the flow, at which flow over a terrain is measured.
 struct Gauge {
   std::string name;
-  /// In coordinates of the run [m]: one is a place, more are a line. Flow counts as positive towards the left of the way
-  /// from the first point to the last: downstream, if the line begins on the left bank.
+  /// In coordinates of the run [m]: one point is a place, several are a line. Flow is positive from right to left, as
+  /// seen from the first point to the last: downstream if the line begins on the left bank.
   std::vector<Vec<2>> points;
 
   bool is_line() const { return points.size() > 1; }
@@ -195,7 +197,7 @@ struct Gauge {
 /// The line down a slope along which runout is measured.
 struct Thalweg {
   std::vector<Vec<2>> points;  ///< in coordinates of the run [m]; two or more, the first where the ground is higher
-  double width = 0;            ///< of the strip around it that counts, half of it on either side [m]
+  double width = 0;            ///< width of the strip around the line that is evaluated, half on either side [m]
 
   bool operator==(const Thalweg&) const = default;
 };
@@ -203,15 +205,14 @@ struct Thalweg {
 enum class ReportSize { small, full };
 inline constexpr Choice report_choices[] = {
     {"small", "at most 8 MB: snapshots and particles are left out of the page if necessary"},
-    {"full", "up to 100 MB of particles"},
+    {"full", "everything; browsers open pages beyond 100 MB slowly or not at all"},
 };
 
 struct OutputSpec {
-  std::optional<double> snapshots;  ///< interval [s]; by default a share of the run
-  std::optional<double> history;    ///< interval [s]; by default a share of the run
-  std::optional<double>
-      peak_force_time;  ///< that forces are averaged over for their peaks [s]; by default from the fall
-  std::optional<double> front_thickness;           ///< that defines the edge of the deposit [m]; by default a grain
+  std::optional<double> snapshots;        ///< interval [s]; by default a share of the run
+  std::optional<double> history;          ///< interval [s]; by default a share of the run
+  std::optional<double> peak_force_time;  ///< averaging time of peak forces [s]; by default from the height of fall
+  std::optional<double> front_thickness;  ///< that defines the edge of the deposit [m]; by default a grain
   std::optional<std::vector<double>> pictures;     ///< instants [s]; by default from the start to the end
   std::optional<std::vector<std::string>> fields;  ///< quantities in snapshots; by default those that the laws have
   MapSpec maps{};
@@ -224,13 +225,14 @@ struct OutputSpec {
 
 inline std::string_view word_of(Transfer transfer) { return transfer_choices[int(transfer)].word; }
 
-/// Whether particles remember how velocity varies around them.
+/// Whether particles store the variation of velocity around them.
 inline bool is_affine(Transfer transfer) { return transfer == Transfer::apic || transfer == Transfer::tpic; }
 
 /// Whether sub-grid velocity decays at a rate.
 inline bool has_tau(Transfer transfer) { return transfer == Transfer::flip_tau || transfer == Transfer::affine_tau; }
 
-/// Whether a share of the particles' velocity is lost every step, however short, so that the result depends on the step.
+/// Whether particles lose a share of their velocity in every step, independent of its length, so that the result
+/// depends on the step.
 inline bool depends_on_step(const Numerics& n) {
   return is_affine(n.transfer) || (n.transfer == Transfer::flip && n.flip_share < 1);
 }
@@ -238,12 +240,11 @@ inline bool depends_on_step(const Numerics& n) {
 /// A run of the material point method.
 struct Case {
   std::string title;
-  int dim = 2;  ///< 2: plane strain, x and y, y upwards as gravity has it; 3: x, y, z
-  bool axisymmetric =
-      false;  ///< with 2: x is the radius, nothing varies around the axis; all extensive things per radian
+  int dim = 2;                ///< 2: plane strain, x and y, y upwards as gravity has it; 3: x, y, z
+  bool axisymmetric = false;  ///< with dim = 2: x is the radius; extensive quantities are per radian
   Box domain{};
   double cell = 0;     ///< size of the grid's cells [m]
-  Index<3> n_cells{};  ///< `resolve` counts them
+  Index<3> n_cells{};  ///< set by `resolve`
   Vec<3> gravity{};
   std::array<Wall, 6> walls{};  ///< low and high side of x, of y, of z
   std::vector<Solid> solids;
@@ -253,7 +254,7 @@ struct Case {
   std::vector<SurfaceLoad> loads;
   Numerics numerics;
   double end = 0;         ///< [s]
-  double stop_below = 0;  ///< share of its peak below which kinetic energy ends the run; 0: none
+  double stop_below = 0;  ///< the run ends when the kinetic energy falls below this share of its peak; 0: no such end
   OutputSpec output;
   std::vector<Gauge> gauges;       ///< of a run on terrain
   std::optional<Thalweg> thalweg;  ///< likewise
@@ -261,13 +262,13 @@ struct Case {
   bool operator==(const Case&) const = default;
 };
 
-/// Whether particles may leave.
+/// Whether particles may leave through a side.
 inline bool has_outflow(const Case& case_) {
   return std::any_of(case_.walls.begin(), case_.walls.end(),
                      [](const Wall& wall) { return wall.kind == WallKind::outflow; });
 }
 
-/// The part of space that planes of symmetry leave of the domain's surroundings: unbounded where there is none.
+/// The half spaces in front of the planes of symmetry; unbounded along axes without such a plane.
 inline Box kept_by_symmetry(const Case& case_) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Box kept{{-infinity, -infinity, -infinity}, {infinity, infinity, infinity}};
@@ -278,7 +279,7 @@ inline Box kept_by_symmetry(const Case& case_) {
   return kept;
 }
 
-/// The width of a particle of a body at the start [m]; that of a listed point follows from its volume.
+/// Width of a particle at the start [m]: the spacing, or for listed points from their volume.
 inline double width_at_start(const BodySpec& body, double volume, int dim) {
   return body.spacing > 0 ? body.spacing : std::pow(volume, 1.0 / dim);
 }

@@ -1,17 +1,17 @@
 #pragma once
-/// What is wrong with a case.
+/// Checks of a case.
 
 #include "talus/case/case.hpp"
 #include "talus/case/mistake.hpp"
 
 namespace talus {
 
-/// Numbers out of range, things that name nothing, shapes that are none: what a reader refuses while it reads, for cases
-/// that were made in C++.
+/// Numbers out of range, names without an object, invalid shapes: checks that a reader makes while it reads, for cases
+/// made in C++.
 std::vector<Mistake> check_values(const Case& case_);
 
-/// What the values of a case say together, after `resolve` has filled it in; `rough` surfaces before that. Values that a
-/// reader could not read are absent or zero, and nothing is held against them; a domain that is not known is NaN.
+/// Contradictions between values of a resolved case; `rough` surfaces are checked before. Values that a reader could
+/// not read are absent or zero and are not checked; an unknown domain is NaN.
 void check_rough_surfaces(const Case& case_, std::vector<Mistake>& mistakes);
 void check_domain(const Case& case_, std::vector<Mistake>& mistakes);
 void check_bodies(const Case& case_, std::vector<Mistake>& mistakes);
@@ -25,13 +25,13 @@ inline constexpr double most_cells_along_axis = 1e6;
 inline constexpr double most_particles = 2e8;
 inline constexpr const char* axis_names[] = {"x", "y", "z"};
 
-/// The section that a solid stands in.
+/// Section of a solid in the input file.
 inline SectionPath section_of(const Solid& solid) {
   if (std::holds_alternative<Ground>(solid.shape)) return {"terrain"};
   return {"solid", solid.name};
 }
 
-/// "x_min", of a side of the domain or of a body.
+/// Name of a side of the domain or of a body, such as "x_min".
 inline std::string name_of_side(int side) { return std::string(side_choices[side].word); }
 
 }  // namespace talus

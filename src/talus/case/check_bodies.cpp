@@ -14,7 +14,7 @@ const AnyLaw* law_of_body(const BodySpec& body, const Case& case_) {
   return body.material >= 0 ? &case_.materials[std::size_t(body.material)].law : nullptr;
 }
 
-/// Shapes and lattices that a kind of domain does not know.
+/// Shapes and lattices that a kind of domain does not support.
 void check_kind_of_shape(MistakesOf section, const BodySpec& body, const Case& case_) {
   if (std::holds_alternative<SurfaceLayer>(body.region) && case_.dim != 3)
     section.add("release", "is for kind = \"3d\"");
@@ -86,7 +86,7 @@ void check_state(MistakesOf section, const BodySpec& body, const Case& case_) {
       section.add("void_ratio", why);
 }
 
-/// A load on a side that is not there to be loaded.
+/// A load on a side that cannot be loaded.
 void check_side(MistakesOf section, const SurfaceLoad& load, const Case& case_) {
   const int axis = load.side / 2;
   const Box box = bounding_box(case_.bodies[std::size_t(load.body)].region, case_.dim), kept = kept_by_symmetry(case_);
@@ -96,7 +96,7 @@ void check_side(MistakesOf section, const SurfaceLoad& load, const Case& case_) 
     section.add("side", "lies on a plane of symmetry or behind it");
   else if (case_.walls[std::size_t(load.side)].kind == WallKind::periodic &&
            (low ? box.min[axis] <= case_.domain.min[axis] + close : box.max[axis] >= case_.domain.max[axis] - close))
-    section.add("side", "lies on a periodic side of the domain, where the body goes on");
+    section.add("side", "lies on a periodic side of the domain, where the body continues");
   else if (case_.axisymmetric && load.side == 0 && box.min[0] <= close)
     section.add("side", "is the axis, which has no area");
 }

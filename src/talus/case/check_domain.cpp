@@ -11,7 +11,7 @@ namespace talus {
 
 namespace {
 
-/// Materials of which a surface cannot be made rough: without a critical friction, or with another than those before.
+/// Materials that have no critical friction for `rough` surfaces, or another one than the materials before.
 void check_rough_surface(MistakesOf surface, const Case& case_) {
   double friction = 0;
   FrictionRise rise;
@@ -28,8 +28,8 @@ void check_rough_surface(MistakesOf surface, const Case& case_) {
                                       friction, *of_one));
     else if (friction != 0 && rise_of_one != rise)
       surface.add("kind",
-                  "cannot be rough: friction of the materials grows differently with the rate; write { kind = "
-                  "\"friction\", friction = ... }, which does not grow");
+                  "cannot be rough: friction of the materials increases differently with the rate; write { kind = "
+                  "\"friction\", friction = ... }, which is constant");
     else {
       friction = *of_one;
       rise = rise_of_one;
@@ -98,7 +98,7 @@ void check_domain(const Case& case_, std::vector<Mistake>& mistakes) {
   check_cells(domain, case_);
   for (int side = 0; side < 2 * case_.dim; ++side)
     if (case_.walls[std::size_t(side)].kind == WallKind::symmetry && case_.gravity[side / 2] != 0)
-      domain.in("walls").add(name_of_side(side), "cannot be a plane of symmetry: gravity goes through it");
+      domain.in("walls").add(name_of_side(side), "cannot be a plane of symmetry: gravity is not parallel to it");
   check_periods(domain, case_);
   if (case_.axisymmetric) check_around_axis(domain, case_);
 }

@@ -20,7 +20,7 @@ std::string on_map_of(const Case& case_, const Vec<2>& x) {
   return fmt::format("({:.10g}, {:.10g})", std::round(10 * place[0]) / 10, std::round(10 * place[1]) / 10);
 }
 
-/// What is wrong with points as a line, or a place; empty if nothing.
+/// Reason why points are invalid as a line or place; empty if valid.
 std::string fault_of_points(const std::vector<Vec<2>>& points, const Case& case_) {
   if (!std::ranges::all_of(points, [](const Vec<2>& x) { return std::isfinite(x[0]) && std::isfinite(x[1]); }))
     return "has a coordinate that is not finite";
@@ -52,7 +52,7 @@ bool is_plain(const std::string& name) {
   });
 }
 
-/// How far a thalweg passes by all that is released [m]; none if nothing is released as a layer.
+/// Distance between a thalweg and the releases [m]; none if no release is a layer.
 std::optional<double> distance_from_release(const PlanPath& path, const Case& case_) {
   std::optional<double> least;
   for (const BodySpec& body : case_.bodies)

@@ -11,11 +11,11 @@ namespace talus {
 
 namespace {
 
-/// Cells that a solid must be thick, so that two planes of nodes are its own: a particle touches nodes up to a cell and a
-/// half away, and at a single plane it would be carried through by its own mass on the other side.
+/// Least thickness of a solid in cells, so that it contains two planes of nodes. A particle touches nodes up to 1.5
+/// cells away; through a single plane it would move by its own mass on the other side.
 constexpr double least_thickness = 1;
 
-/// Rows or snapshots of a run.
+/// Largest number of rows or snapshots of a run.
 constexpr double most_instants = 1e6;
 
 bool is_zero(const Vec<3>& direction) { return dot(direction, direction) == 0; }
@@ -51,11 +51,10 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
   MistakesOf section(mistakes, {"numerics"});
   const Numerics& n = case_.numerics;
   if (is_affine(n.transfer) && n.shape_function == ShapeFunction::linear)
-    section.add("transfer",
-                fmt::format("{} needs smoother shapes: with hat functions nodes that have next to no mass take "
-                            "a velocity out of proportion, and energy comes from nowhere; use shape = "
-                            "\"quadratic\", or a transfer that is not affine",
-                            word_of(n.transfer)));
+    section.add("transfer", fmt::format("{} needs a smoother shape: with hat functions, nodes with almost no mass get "
+                                        "unbounded velocities; use shape = "
+                                        "\"quadratic\", or a transfer that is not affine",
+                                        word_of(n.transfer)));
   if (n.f_bar && n.average_pressure)
     section.add("average_pressure", "must be false with `f_bar`: it averages the rate of volume change as well");
   if (n.order == Order::musl && n.bulk_viscosity.value_or(0) > 0)

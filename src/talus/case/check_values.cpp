@@ -180,14 +180,14 @@ void check_numbers_of_output(const Case& case_, std::vector<Mistake>& mistakes) 
 std::vector<Mistake> check_values(const Case& case_) {
   std::vector<Mistake> mistakes;
   check_shape_of_domain(case_, mistakes);
-  if (!mistakes.empty()) return mistakes;  // the rest depends on it
+  if (!mistakes.empty()) return mistakes;  // the other checks need a valid domain
   if (case_.materials.empty()) mistakes.push_back({{}, "", "has no material"});
   if (case_.bodies.empty()) mistakes.push_back({{}, "", "has no body"});
   for (const Material& m : case_.materials) check_material(m, mistakes);
   for (const BodySpec& b : case_.bodies) check_body(b, case_, mistakes);
   for (const SurfaceLoad& l : case_.loads) check_load(l, case_, mistakes);
   for (const Solid& s : case_.solids) check_solid(s, case_, mistakes);
-  if (mistakes.empty()) check_numbers_of_numerics(case_, mistakes);  // whose defaults ask the bodies
+  if (mistakes.empty()) check_numbers_of_numerics(case_, mistakes);  // the defaults depend on the bodies
   if (mistakes.empty()) check_numbers_of_output(case_, mistakes);
   return mistakes;
 }

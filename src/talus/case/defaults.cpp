@@ -24,12 +24,12 @@ Numerics numerics_of(Preset preset) {
 
 bool averages_pressure(Preset preset, bool f_bar) { return !f_bar && preset != Preset::paper; }
 
-/// With 0.2 pressure in flow still rattles, with 0.4 it does not, and with more steps get shorter: the table of
+/// With 0.2 pressure in flow is still noisy, with 0.4 it is not, and larger values shorten the steps: table in
 /// docs/numerics.md.
 Default default_bulk_viscosity(Preset preset, Order order) {
   if (preset == Preset::paper) return {0, "as in the paper"};
   if (order == Order::musl) return {0, "with order = \"musl\""};
-  return {0.4, "so that pressure in flow is calm"};
+  return {0.4, "reduces pressure noise in flow"};
 }
 
 double bulk_viscosity_of(const Numerics& numerics) {
@@ -45,11 +45,11 @@ int default_choice(const Option& option, Preset preset, bool confined) {
   return 0;
 }
 
-/// What a particle alone, pressed along all axes, bears at the worst place, dt < 2 sqrt(2/3)
-/// /sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines. uGIMP has
-/// 2/l + 1/(1 - l) with a half-width of l cells, 9.3 with two particles a cell and axis; it becomes the hat as l goes to
-/// 0. With hat functions, whose S has no bound, bodies break at 1: a particle that has just entered a cell pushes on
-/// nodes that have next to no mass (docs/performance.md, docs/numerics.md).
+/// Stability limit of a single particle under compression along all axes at the worst position: dt < 2
+/// sqrt(2/3)/sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines.
+/// uGIMP has 2/l + 1/(1 - l) with a half-width of l cells: 9.3 with two particles per cell and axis; for l = 0 it is
+/// the hat function. For hat functions S has no bound, and runs fail at 1: a particle that has just entered a cell acts
+/// on nodes with almost no mass (docs/performance.md, docs/numerics.md).
 Default default_cfl(ShapeFunction shape) {
   switch (shape) {
     case ShapeFunction::quadratic: return {0.65, "for quadratic shape functions"};
@@ -64,13 +64,13 @@ double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_c
 
 namespace {
 
-/// In which things fall by half a height, sqrt(H/g) [s]; 0 where nothing falls.
+/// Time of free fall over half a height H, sqrt(H/g) [s]; 0 without gravity.
 double time_of_fall(double height, const Vec<3>& gravity) {
   const double g = std::sqrt(dot(gravity, gravity));
   return g > 0 && height > 0 ? std::sqrt(height / g) : 0;
 }
 
-/// The largest upright thickness of the layers on a terrain [m]; 0 where a body is something else.
+/// Largest vertical thickness of the layers on a terrain [m]; 0 if a body is not a layer.
 double thickness_of_layers(const Case& case_) {
   double thickness = 0;
   for (const BodySpec& b : case_.bodies) {
@@ -107,7 +107,7 @@ bool separates_from_solid(WallKind kind) { return separates_from_wall(kind) || k
 
 namespace {
 
-/// The material of which a `rough` surface is a bed: the first that has a critical friction; null if none has.
+/// Material whose friction `rough` surfaces have: the first with a critical friction; null if there is none.
 const Material* material_of_bed(const Case& case_) {
   for (const Material& m : case_.materials)
     if (critical_friction_of(m.law).value_or(0) != 0) return &m;
@@ -153,7 +153,7 @@ Default default_front_thickness(const Case& case_) {
     if (b.material >= 0) grain = std::max(grain, grain_diameter_of(case_.materials[std::size_t(b.material)].law));
   }
   if (grain > 0) return {grain, "a grain"};
-  return {particle, "a particle at the start"};
+  return {particle, "edge of a particle at the start"};
 }
 
 Default default_map_interval(const Case& case_) {
@@ -163,7 +163,7 @@ Default default_map_interval(const Case& case_) {
   const double pixel = case_.output.maps.pixel.value_or(ground.heights().pixel);
   if (!(speed > 0)) return {case_.end / 1000, "a thousandth of the run"};
   return {std::max(pixel / speed, case_.end / 10000),
-          "in which what has fallen from the highest to the lowest place crosses a pixel"};
+          "time in which material that has fallen from the highest to the lowest place crosses a pixel"};
 }
 
 Default default_least_thickness(const Case& case_) {

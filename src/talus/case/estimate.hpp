@@ -1,11 +1,11 @@
 #pragma once
-/// About how large a case will be, before anything of it is made.
+/// Estimated size of a case, without making its particles.
 
 #include "talus/case/case.hpp"
 
 namespace talus {
 
-/// About how many particles a body, or a case, will have.
+/// Approximate number of particles of a body, or of a case.
 double estimated_particles(const BodySpec& body, int dim);
 double estimated_particles(const Case& case_);
 

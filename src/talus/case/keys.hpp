@@ -1,5 +1,5 @@
 #pragma once
-/// The numbers that a user sets: key, unit, range and meaning, once for readers, the schema and `resolve`.
+/// Numbers of the input: key, unit, range and meaning, for readers, the schema and `resolve`.
 
 #include <limits>
 
@@ -15,7 +15,7 @@ inline constexpr Parameter friction{"friction", "1", Range::not_negative(),
 inline constexpr Parameter xi{"xi", "m/s2", Range::positive(),
                               "turbulent friction of Voellmy: shear stress rho g v^2/xi at sliding speed v"};
 
-// [material.NAME]; those of laws stand with the law
+// [material.NAME]; parameters of laws are declared with the law
 inline constexpr Parameter density{"density", "kg/m3", Range::positive(), "bulk density at the start"};
 
 // [body.NAME]
@@ -35,7 +35,7 @@ inline constexpr Parameter pixel{"pixel", "m", Range::positive(), "edge of a pix
 // [numerics]
 inline constexpr Parameter tau{"tau", "s", Range::positive(),
                                "decay time of velocity fluctuations that the grid does not resolve"};
-/// Where nothing falls, nothing says how fast motion goes.
+/// Without gravity there is no characteristic speed.
 inline constexpr Parameter tau_without_default{
     "tau", "s", Range::positive(),
     "decay time of velocity fluctuations that the grid does not resolve, about 1/100 of the duration of the motion; or "
@@ -90,7 +90,7 @@ inline constexpr Parameter map_frames{"frames", "s", Range::positive(),
 // [thalweg]
 inline constexpr Parameter thalweg_width{"width", "m", Range::positive(),
                                          "width of the strip in which flow counts, half of it on either side"};
-/// Of a run until `end`; one of unknown length is not held against anything.
+/// Permitted range for a run until `end`; without limit if its length is not known.
 constexpr Parameter pictures(double run_end) {
   return {"pictures", "s", run_end > 0 ? Range::between(0, run_end) : Range::not_negative(),
           "instants of the pictures"};

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double most_rows = 1e7;  ///< of all segments
 
-/// The axes across another one.
+/// The two axes normal to another one.
 std::array<int, 2> sides_of(int axis) { return {(axis + 1) % 3, (axis + 2) % 3}; }
 
 }  // namespace
@@ -96,7 +96,7 @@ Controls triaxial(TriaxialDrainage drainage, int axis, Course a) {
     case TriaxialDrainage::drained:
       for (int i : sides) c[std::size_t(i)] = held_stress(i);
       break;
-    case TriaxialDrainage::constant_p: {  // the sum of the normal stresses is held, and the lateral strains stay equal
+    case TriaxialDrainage::constant_p: {  // constant sum of the normal stresses; equal lateral strains
       Control &mean = c[std::size_t(sides[0])], &even = c[std::size_t(sides[1])];
       mean = held_stress(sides[0]);
       mean.of_stress = {1, 1, 1, 0, 0, 0};
@@ -111,7 +111,7 @@ Controls triaxial(TriaxialDrainage drainage, int axis, Course a) {
 Controls triaxial_to(TriaxialDrainage drainage, int axis, double axial_stress) {
   Controls c = triaxial(drainage, axis, {});
   c[std::size_t(axis)] = stress_to(axis, axial_stress);
-  if (drainage == TriaxialDrainage::undrained)  // constant volume, whatever the axial strain turns out to be
+  if (drainage == TriaxialDrainage::undrained)  // constant volume at any axial strain
     for (int i : sides_of(axis)) c[std::size_t(i)].of_strain[std::size_t(axis)] = 0.5;
   return c;
 }

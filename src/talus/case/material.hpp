@@ -1,5 +1,5 @@
 #pragma once
-/// What a case asks of the law of a material, whichever it is.
+/// Properties of a law that a case needs, for any law.
 
 #include <optional>
 #include <string>
@@ -10,13 +10,13 @@
 
 namespace talus {
 
-/// The name of a law as users write it.
+/// Name of a law in the input.
 std::string name_of(const AnyLaw& law);
 
-/// The void ratios a user may start from; none if the law knows no void ratio.
+/// Permitted initial void ratios; none if the law has no void ratio.
 std::optional<Range> void_ratios_of(const AnyLaw& law);
 
-/// Reason a law has no state of this void ratio, although it lies in its range; empty if it has one.
+/// Reason why a void ratio within the range is impossible for the law; empty if possible.
 std::string fault_of_void_ratio(const AnyLaw& law, double void_ratio);
 
 /// Whether the law carries a stress at rest.
@@ -28,22 +28,22 @@ bool scales_stiffness(const AnyLaw& law);
 /// Whether the state of the law holds its collisional stress.
 bool remembers_collisional_stress(const AnyLaw& law);
 
-/// Whether the law needs a bulk density; others have one from their grains and void ratio.
+/// Whether the law needs a bulk density; for others it follows from grain density and void ratio.
 bool needs_density(const AnyLaw& law);
 
 /// Whether the law is for element tests only.
 bool is_for_element_tests_only(const AnyLaw& law);
 
-/// Coefficient of friction of the material on itself where a layer of it is sheared at its critical state; none if the law
-/// has no critical friction.
+/// Friction coefficient (shear over normal stress) of a layer of the material in simple shear at the critical state;
+/// none if the law has no critical friction.
 std::optional<double> critical_friction_of(const AnyLaw& law);
-/// How that friction grows with the rate; not at all if the law does not say.
+/// Increase of that friction with the rate; none if the law has none.
 FrictionRise friction_rise_of(const AnyLaw& law);
 
-/// Diameter of the grains [m]; 0 of a law that does not know it.
+/// Grain diameter [m]; 0 for laws without it.
 double grain_diameter_of(const AnyLaw& law);
 
-/// The quantities that can be read off the law's state.
+/// Quantities that follow from the state of the law.
 std::vector<Quantity> quantities_of(const AnyLaw& law);
 bool has_quantity(const AnyLaw& law, std::string_view name);
 

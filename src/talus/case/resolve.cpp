@@ -22,7 +22,7 @@ void count_cells(Case& case_) {
   }
 }
 
-/// `rough` is `friction` with that of the material on itself.
+/// Replaces `rough` by `friction` with the critical friction of the material.
 void set_friction(Wall& wall, const Case& case_) {
   if (wall.kind != WallKind::rough) return;
   wall = {WallKind::friction, rough_friction(case_), wall.separates};
@@ -91,7 +91,7 @@ InputError as_error(const std::vector<Mistake>& mistakes) {
 
 Resolved resolve_read(Case case_) {
   Resolved resolved{std::move(case_), {}};
-  for (Material& material : resolved.case_.materials) resolve_law(material);  // what follows asks the laws
+  for (Material& material : resolved.case_.materials) resolve_law(material);  // the following steps need the laws
   check_rough_surfaces(resolved.case_, resolved.mistakes);
   fill_in(resolved.case_);
   for (const auto check :

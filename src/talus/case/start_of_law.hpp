@@ -1,5 +1,5 @@
 #pragma once
-/// Checks of the state that a law starts from, for programs that do not read it from a file.
+/// Checks of the initial state of a law, for programs that do not read it from a file.
 
 #include <string>
 
@@ -7,7 +7,7 @@
 
 namespace talus {
 
-/// Reason why a law cannot start from a state whose values are not in their ranges; empty if it can.
+/// Reason why an initial state is out of range for a law; empty if valid.
 std::string fault_of_start(const AnyLaw& law, const InitialState& initial);
 
 }  // namespace talus

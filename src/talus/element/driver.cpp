@@ -51,7 +51,7 @@ class Driver {
   ElementResult run() {
     name_columns();
     double start = 0;
-    std::optional<int> ended;  // the group that a stop has ended
+    std::optional<int> ended;  // the loop that a stop has ended
     pore_at_start_ = test_.pore_pressure;
     if (!test_.segments.empty()) laboratory_ = test_.segments[0].laboratory;
     laboratory_.undrained = false;
@@ -78,10 +78,10 @@ class Driver {
     double outcome;
   };
 
-  /// Shortest step, as a share of the segment: as short as time can be resolved, because the time that the material needs
-  /// to respond has nothing to do with the length of the segment.
+  /// Shortest step, as a share of the segment: the resolution of time, because the response time of the material is
+  /// independent of the length of the segment.
   static constexpr double least_step = 1e-12;
-  /// More strain than this in one step means that the material fails; a shorter step will show.
+  /// Largest strain in a step; a larger one means that the material may fail, and the step is shortened.
   static constexpr double longest_strain = 0.02;
   static constexpr double longest_strain_at_once = 0.5;
   /// Share of the segment below which a step that Newton's method cannot solve is solved by a search.
@@ -172,7 +172,7 @@ class Driver {
                                  (ControlsError<Law> && test_.integration.scheme == Integrator::modified_euler));
   }
 
-  // ---- what a laboratory measures --------------------------------------------------------------------------------
+  // ---- laboratory quantities --------------------------------------------------------------------------------
 
   double lateral_stress(const Vector6& s) const { return 0.5 * (s.head<3>().sum() - s[laboratory_.axis]); }
   /// The effective stress whose total is held in an undrained test.
@@ -207,7 +207,8 @@ class Driver {
 
   // ---- stops -----------------------------------------------------------------------------------------------------
 
-  /// How far a state is from a stop, positive before it; the side of a stop without direction is where the segment starts.
+  /// Distance of a state from a stop, positive before it; a stop without direction is approached from the side of the
+  /// start of the segment.
   struct Approach {
     const Stop* stop;
     double side, scale;
@@ -227,8 +228,8 @@ class Driver {
     return nearest;
   }
 
-  /// Where the first stop is reached, found by running the segment in steps that grow and shrink with the distance to it;
-  /// the state stays at the start.
+  /// Where the first stop is reached, found by running the segment in steps that grow and shrink with the distance to
+  /// it; the state stays at the start.
   End find_end(const Segment& segment, double start) {
     std::vector<Approach> approaches;
     for (const Stop& stop : segment.stops) {
@@ -333,8 +334,8 @@ class Driver {
     return step;
   }
 
-  /// Length of a step below which its error is accepted: where the response has a kink no step is short enough. A step that
-  /// strains the material noticeably is never that short, however long the segment.
+  /// Length of a step below which its error is accepted: at a kink of the response no step is short enough. A step with
+  /// a noticeable strain is not accepted this way, for any length of the segment.
   static double least_controlled(const Segment& segment, double strain, double length) {
     constexpr double noticeable = 1e-4;
     return strain > noticeable ? std::min(step_of_search * segment.duration, 0.5 * length)
@@ -427,9 +428,9 @@ class Driver {
     jacobian_known_ = true;
   }
 
-  /// Newton's change of the strain increment; none if there is no solution, or only far away.
+  /// Newton's change of the strain increment; none if there is no solution within the largest strain.
   std::optional<Vector6> newton_change(const Vector6& increment, const Vector6& r) const {
-    // Strain rows are of another size than stress rows.
+    // Strain rows and stress rows have different magnitudes.
     Vector6 row_scale = jacobian_.cwiseAbs().rowwise().maxCoeff();
     for (int k = 0; k < 6; ++k)
       if (!(row_scale[k] > 0)) row_scale[k] = 1;
@@ -445,7 +446,7 @@ class Driver {
     return change;
   }
 
-  /// Newton's method on the six controls, with a Jacobian from differences that Broyden's update keeps alive.
+  /// Newton's method on the six controls, with a Jacobian from differences and Broyden's update.
   bool advance_mixed(Now& now, const Segment& segment, double t, double end) {
     const MixedStep step = mixed_step(now, segment, t, end);
     Vector6 increment = first_increment(step);
@@ -480,9 +481,9 @@ class Driver {
     return true;
   }
 
-  /// Where prescribed rates jump at the start of a segment, collisions follow at once. Under a held stress contacts must
-  /// then gain or lose the difference at once, by a strain that takes no time: spread over a short step it would be a rate
-  /// whose collisions exceed the stress. False if nothing jumps, or there is no such strain.
+  /// If prescribed rates jump at the start of a segment, the collisional stress jumps too. Under a constant stress,
+  /// contacts must gain or lose the difference at once, by a strain without duration: over a short step it would be a
+  /// rate whose collisional stress exceeds the total. False if no rate jumps, or there is no such strain.
   bool respond_at_once(const Segment& segment) {
     if (strain_only(segment) || rate_at(segment, 0, now_.rate) == now_.rate) return false;
     Now next = now_;
@@ -491,8 +492,8 @@ class Driver {
     return true;
   }
 
-  /// The step once more, where Newton's method has failed although the step is short: where contacts are lost or a rate
-  /// jumps the response has kinks, and the root is bracketed, or approached by a residual that only decreases.
+  /// Repeats a short step in which Newton's method has failed, because the response has kinks where contacts are lost
+  /// or a rate jumps: by bracketing, or by steps that only decrease the residual.
   bool advance_by_search(Now& now, const MixedStep& step) {
     std::optional<Now> found = advance_by_bracket(step);
     if (!found) found = advance_downhill(step);
@@ -559,7 +560,7 @@ class Driver {
       if (!resolved) x = 0.5 * (a.x + b.x);
       const double r = residual_at(x);
       if (std::abs(r) <= step.tight) return next;
-      const bool last = !(x > a.x && x < b.x) || b.x - a.x < 1e-20;  // no strain is smaller
+      const bool last = !(x > a.x && x < b.x) || b.x - a.x < 1e-20;  // the bracket cannot shrink further
       if (last) {
         if (std::abs(r) <= step.loose) return next;
         for (const Point& end : {a, b}) {  // the stress jumps here
@@ -611,7 +612,7 @@ class Driver {
     return now.outcome == double(Outcome::separated) && norm(stress(now)) == 0;
   }
 
-  /// Keeps the controlled stress with the largest error, for the message.
+  /// Stores the controlled stress with the largest error, for the message.
   void note_missed_control(const Segment& segment, const Now& next, const Vector6& r) {
     jacobian_known_ = false;
     separated_ = carries_nothing(next);

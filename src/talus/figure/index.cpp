@@ -39,10 +39,10 @@ void write_figure_index(const std::filesystem::path& file, const std::vector<Rem
   for (const RemadeFigure& f : figures)
     for (int k = 0; k < 4; ++k) all[k] += count_findings(f)[k];
   std::ostringstream page;
-  page << page_head("What reproduces") << "<h1>What reproduces</h1>\n"
+  page << page_head("What reproduces") << "<h1>Reproduced figures</h1>\n"
        << fmt::format(
               "<p>Of {} claims in {} figures <b>{} hold</b>, {} hold only in another reading of the source, "
-              "<b>{} do not hold</b> and {} cannot be checked. No parameter was tuned. Remade with talus {}.</p>\n",
+              "<b>{} do not hold</b> and {} cannot be checked. No parameter was tuned. Computed with talus {}.</p>\n",
               all[0] + all[1] + all[2] + all[3], figures.size(), all[0], all[1], all[2], all[3], escaped(version()));
   page << "<table><tr><th>figure</th><th></th><th>holds</th><th>only in another reading</th><th>does not "
           "hold</th><th>cannot be checked</th></tr>\n";
@@ -57,8 +57,8 @@ void write_figure_index(const std::filesystem::path& file, const std::vector<Rem
     page << "</tr>\n";
   }
   page << "</table>\n";
-  page << list_of(figures, Finding::fails, "What does not hold, and why")
-       << list_of(figures, Finding::in_another, "What holds only in another reading")
+  page << list_of(figures, Finding::fails, "Claims that do not hold")
+       << list_of(figures, Finding::in_another, "Claims that hold only in another reading")
        << list_of(figures, Finding::unchecked, "What cannot be checked") << "</body></html>\n";
   write_text(file, page.str());
 }

@@ -169,7 +169,7 @@ bool write_figure(const fs::path& folder, const RemadeFigure& figure) {
   page << page_head(spec.title) << "<p><a href=\"../index.html\">All figures</a></p>\n<h1>" << escaped(spec.title)
        << "</h1>\n<p>" << escaped(spec.source) << ". Remade with talus " << escaped(version()) << ".</p>\n";
   if (!spec.note.empty()) page << "<p>" << escaped(spec.note) << "</p>\n";
-  if (!spec.statements.empty()) page << "<h2>What is claimed</h2>\n" << statements_table(figure);
+  if (!spec.statements.empty()) page << "<h2>Claims</h2>\n" << statements_table(figure);
   for (std::size_t r = 0; r < spec.readings.size(); ++r) page << reading_section(folder, figure, r, drawn);
   page << misfit_table(figure)
        << "<h2>Files</h2>\n<p>Beside this page: every panel as SVG and PNG with its gnuplot script (.gp) and points "

@@ -9,49 +9,49 @@
 
 namespace talus {
 
-/// A given function of nothing but time, linear between instants; 0 if there are none.
+/// A function of time, linear between instants; 0 if empty.
 template <class T>
 struct LinearInTime {
-  std::vector<double> times;  ///< [s], increasing; before the first, as it is then
+  std::vector<double> times;  ///< [s], increasing; constant before the first
   std::vector<T> values;      ///< at those instants
-  T rate_after{};             ///< from the last instant on [per s]
+  T rate_after{};             ///< rate of change after the last instant [per s]
 
-  /// Whether nothing was given.
+  /// Whether the function is empty.
   bool empty() const { return times.empty(); }
   T at(double t) const;
-  /// From the instant t on.
+  /// Constant value from the instant t on.
   T rate(double t) const;
   bool operator==(const LinearInTime&) const = default;
 };
 
-/// A change at a constant rate from an instant until another; without `until`, for ever.
+/// Change at a constant rate between two instants; without `until`, without end.
 template <class T>
 LinearInTime<T> constant_rate(const T& rate, double from = 0, std::optional<double> until = {}) {
   if (until) return {{from, *until}, {T{}, (*until - from) * rate}, T{}};
   return {{from}, {T{}}, rate};
 }
 
-/// Where a rigid motion has brought a solid, and how it moves there.
+/// Position and velocity of a solid in rigid motion.
 struct Pose {
   Vec<3> displacement{};                                                 ///< of the centre [m]
   Vec<3> velocity{};                                                     ///< of the centre [m/s]
-  Vec<3> centre{};                                                       ///< where it was at first [m]
-  std::array<Vec<3>, 3> rotation = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows of the matrix that turns directions
+  Vec<3> centre{};                                                       ///< at the start [m]
+  std::array<Vec<3>, 3> rotation = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};  ///< rows of the rotation matrix
   Vec<3> angular_velocity{};                                             ///< [rad/s]
 
-  /// The place in the solid, as it stood at first, of a point in space.
+  /// Initial position of the point of the solid that is now at x.
   Vec<3> at_first(const Vec<3>& x) const;
-  /// A direction of the solid as it stood at first, as it is now.
+  /// Rotates an initial direction into the present one.
   Vec<3> turned(const Vec<3>& direction) const;
   /// The velocity of the solid at a point in space [m/s].
   Vec<3> velocity_at(const Vec<3>& x) const;
 };
 
-/// A prescribed motion: a displacement, and a turn about an axis that goes along with it.
+/// A prescribed motion: a displacement, and a rotation about an axis that moves with it.
 struct PrescribedMotion {
   LinearInTime<Vec<3>> displacement;  ///< [m]
   LinearInTime<double> angle{};       ///< right-handed about the axis [rad]; in plane strain from x to y
-  Vec<3> centre{};                    ///< a point on the axis, at first [m]
+  Vec<3> centre{};                    ///< a point on the axis at the start [m]
   Vec<3> axis{0, 0, 1};               ///< of unit length
 
   bool rests() const { return displacement.empty() && angle.empty(); }

@@ -11,17 +11,16 @@
 
 namespace talus {
 
-/// Where a place lies beside a line: at its nearest point.
+/// Position of a place relative to a line.
 struct PlanFoot {
-  double s;         ///< of that point, from the beginning of the line [m]
-  double distance;  ///< from it [m]; of a place before or beyond, from the line made longer
+  double s;         ///< distance of the nearest point from the beginning of the line [m]
+  double distance;  ///< from the line [m]; for places before or beyond the line, from its straight extension
   Vec<2> along;     ///< direction of the line there, of unit length
-  /// Whether the place lies before the line's beginning, or beyond its end: its nearest point is that end, and the line
-  /// made longer goes past it.
+  /// Whether the place lies before the beginning or beyond the end of the line; its nearest point is then that end.
   bool is_before, is_beyond;
 };
 
-/// A line through two points or more; points that repeat the one before them count once.
+/// A line through two points or more; repeated points count once.
 class PlanPath {
  public:
   explicit PlanPath(const std::vector<Vec<2>>& points) {
@@ -32,18 +31,18 @@ class PlanPath {
     }
   }
 
-  /// In plan [m]; 0 if all points are the same.
+  /// Length in plan [m]; 0 if all points are equal.
   double length() const { return along_.empty() ? 0 : along_.back(); }
-  /// Without those repeated.
+  /// Points without repetitions.
   const std::vector<Vec<2>>& points() const { return points_; }
 
-  /// The place at a distance from the beginning [m], between 0 and `length()`, which is above zero.
+  /// The place at a distance from the beginning [m], between 0 and `length()`; the length must not be zero.
   Vec<2> at(double s) const {
     const std::size_t i = segment_at(s);
     return points_[i] + (s - along_[i]) * direction(i);
   }
 
-  /// Of a line that is longer than zero.
+  /// For a line longer than zero.
   PlanFoot foot_of(const Vec<2>& x) const {
     assert(length() > 0);
     PlanFoot foot{};
@@ -71,7 +70,7 @@ class PlanPath {
   }
 
   std::vector<Vec<2>> points_;
-  std::vector<double> along_;  ///< s of the points
+  std::vector<double> along_;  ///< distance of each point from the beginning [m]
 };
 
 }  // namespace talus

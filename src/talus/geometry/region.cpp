@@ -26,11 +26,11 @@ bool on_edge(const Vec<2>& a, const Vec<2>& b, const Vec<2>& x) {
          x[1] >= std::min(a[1], b[1]) - 1e-12 * length && x[1] <= std::max(a[1], b[1]) + 1e-12 * length;
 }
 
-/// What a polygon has of an upright line, just right of x (side = 1) or left of it (-1); `of_span` measures the line from
-/// one height to another.
+/// Part of a vertical line inside a polygon, just right of x (side = 1) or left of it (-1); `of_span` measures the line
+/// between two heights.
 template <class OfSpan>
 double length_beside(const Polygon& polygon, double x, int side, OfSpan of_span) {
-  std::vector<double> heights;  // where edges cross the line: into the polygon and out of it in turn
+  std::vector<double> heights;  // where edges cross the line, alternately into the polygon and out of it
   const auto& c = polygon.corners;
   for (std::size_t i = 0, j = c.size() - 1; i < c.size(); j = i++) {
     const Vec<2>&a = c[j], &b = c[i];
@@ -67,7 +67,7 @@ bool edges_cross(const Vec<2>& a, const Vec<2>& b, const Vec<2>& c, const Vec<2>
   return cross(a, b, c) * cross(a, b, d) < 0 && cross(c, d, a) * cross(c, d, b) < 0;
 }
 
-/// What is left of a polygon on the side of `limit` that `keep` (1: above, -1: below) says, along an axis of its plane
+/// Clips a polygon at `limit` along an axis of its plane and keeps the side `keep` (1: above, -1: below)
 /// (Sutherland and Hodgman 1974, Commun. ACM 17:32).
 std::vector<Vec<2>> cut(const std::vector<Vec<2>>& corners, int axis, double limit, double keep) {
   std::vector<Vec<2>> left;
@@ -103,12 +103,12 @@ double area_in_rectangle(double radius, const Vec<2>& min, const Vec<2>& max) {
   return sum;
 }
 
-/// What is common to two ranges; 0 if nothing is.
+/// Length of the overlap of two ranges; 0 if there is none.
 double overlap(double a, double b, double low, double high) {
   return std::max(0.0, std::min(b, high) - std::max(a, low));
 }
 
-/// The whole pixel row or column that a coordinate, counted in pixels, lies in; the last one's far edge counts as in it.
+/// Row or column of a coordinate in pixels; the far edge of the last one belongs to it.
 int pixel_at(double x, int n) { return x == n ? n - 1 : int(std::floor(x)); }
 
 /// Thickness of a layer above a place of the plane [m].
@@ -118,7 +118,7 @@ double thickness_at(const SurfaceLayer& layer, const Vec<3>& x) {
   return t.has(column, row) ? t.at(column, row) : 0;
 }
 
-/// Sum over the pixels of a layer that have some of it: f(column, row, thickness).
+/// Sum of f(column, row, thickness) over the pixels of a layer with positive thickness.
 template <class F>
 double sum_over_layer(const SurfaceLayer& layer, F f) {
   double sum = 0;
@@ -313,7 +313,7 @@ double volume_per_radian(const Region& region) {
                                  }
                                  return std::abs(moment);
                                },
-                               // The reader refuses pictures and lists of points around an axis.
+                               // The reader refuses pictures and lists of points in axisymmetric runs.
                                [&](const auto&) { return volume(region, 2); }},
                     region);
 }
@@ -338,7 +338,7 @@ double length_above(const Region& region, const Vec<3>& x, int dim) {
           },
           [&](const Polygon& p) {
             if (dim == 3 && (x[1] < p.from || x[1] > p.to)) return 0.0;
-            // Just right and just left of the line, so that a line along an upright edge has the shape beside it.
+            // Just right and just left of the line, so that a line along a vertical edge counts as inside.
             return std::max(length_beside(p, x[0], +1, of_span), length_beside(p, x[0], -1, of_span));
           },
           [&](const Raster& r) {

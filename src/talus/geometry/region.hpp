@@ -1,5 +1,5 @@
 #pragma once
-/// Shapes that bodies are cut from. Lengths in m; in plane strain the third coordinate does not count.
+/// Shapes of bodies. Lengths in m; in plane strain the third coordinate is ignored.
 
 #include <memory>
 #include <optional>
@@ -21,8 +21,8 @@ struct Box {
   bool operator==(const Box&) const = default;
 };
 
-/// An upright circular cylinder on its base's centre, along the last axis; in plane strain a disk around its centre,
-/// axisymmetric a torus.
+/// An upright circular cylinder along the last axis, given by the centre of its base; in plane strain a disk around its
+/// centre, axisymmetric a torus.
 struct Cylinder {
   Vec<3> centre;
   double radius;
@@ -54,7 +54,7 @@ struct Raster {
   bool operator==(const Raster&) const = default;
 };
 
-/// Points that are particles already, each with its volume [m3]; in plane strain area times a metre.
+/// A list of particles, each with its volume [m3]; in plane strain area times one metre.
 struct PointList {
   std::vector<Vec<3>> places;
   std::vector<double> volumes;
@@ -62,7 +62,8 @@ struct PointList {
   bool operator==(const PointList&) const = default;
 };
 
-/// What lies on a surface, the terrain or one above it, in 3D: as thick as a raster says, measured upright [m]. Pixels without a number have nothing.
+/// A layer on a surface (the terrain or one above it), in 3D, with the vertical thickness of a raster [m]; 0 at pixels
+/// without a value.
 struct SurfaceLayer {
   std::shared_ptr<const Terrain> base;
   PlanRaster thickness;
@@ -70,8 +71,8 @@ struct SurfaceLayer {
   bool operator==(const SurfaceLayer& o) const { return same_content(base, o.base) && thickness == o.thickness; }
 };
 
-/// Calls f(place, volume) for the points that fill a layer. On every pixel they stand above one another, as many as pixels
-/// are high, and share its volume.
+/// Calls f(place, volume) for the points that fill a layer. On every pixel they are above one another, about a pixel
+/// apart, and share its volume.
 template <class F>
 void for_each_point(const SurfaceLayer& layer, F f) {
   const PlanRaster& t = layer.thickness;
@@ -85,7 +86,7 @@ void for_each_point(const SurfaceLayer& layer, F f) {
       for (int k = 0; k < n; ++k) f(Vec<3>{at[0], at[1], bottom + (k + 0.5) * height}, t.pixel * t.pixel * height);
     }
 }
-/// How many points that makes.
+/// Number of these points.
 double points_in(const SurfaceLayer& layer);
 
 using Region = std::variant<Box, Cylinder, Polygon, Raster, PointList, SurfaceLayer>;
@@ -96,20 +97,20 @@ Box bounding_box(const Region& region, int dim);
 /// Whether a point lies in a shape; points on the boundary do.
 bool contains(const Region& region, const Vec<3>& x, int dim);
 
-/// Volume [m3], or in plane strain area times a metre; of what lies in a box if one is given.
+/// Volume [m3], or in plane strain area times one metre; if a box is given, of the part inside it.
 double volume(const Region& region, int dim);
 double volume(const Region& region, int dim, const Box& box);
 
-/// Volume [m3] per radian of what a shape in the plane sweeps around the axis x = 0: its area times the radius of its
-/// centroid (Pappus).
+/// Volume [m3] per radian of a plane shape rotated about the axis x = 0: its area times the radius of its centroid
+/// (Pappus).
 double volume_per_radian(const Region& region);
 
-/// How much of the vertical line from a point upwards lies in a shape [m]; a line along its boundary does. Listed points
-/// have no shape: zero.
+/// Length of the vertical line from a point upwards that lies in a shape [m]; the boundary belongs to the shape. 0 for
+/// listed points.
 double length_above(const Region& region, const Vec<3>& x, int dim);
 
-/// Numbers of two points at the same place, to within a hundredth of the edge of the smallest particle; none if there are no
-/// such points. Not for an empty list.
+/// Numbers of two points at the same place, to within a hundredth of the edge of the smallest particle; none if there
+/// are no such points. Not for an empty list.
 std::optional<std::pair<std::size_t, std::size_t>> coincident_points(const PointList& list, int dim);
 
 /// Reason the shape is invalid; empty if valid.

@@ -8,7 +8,7 @@ namespace talus {
 
 namespace {
 
-/// Halves a box until its parts are no larger than `spacing`, but no part that the surface does not reach.
+/// Halves a box until the parts that contain the surface are no larger than `spacing`.
 void add_surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim,
                         std::vector<Vec<3>>& points) {
   const Vec<3> extent = within.max - within.min, middle = 0.5 * (within.min + within.max);

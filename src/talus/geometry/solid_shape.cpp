@@ -12,7 +12,7 @@ namespace {
 
 constexpr double unbounded = std::numeric_limits<double>::infinity();
 
-/// A point seen from the part of space common to two shapes.
+/// Distance and normal relative to the intersection of two shapes.
 Nearness common(const Nearness& a, const Nearness& b) {
   if (a.distance > 0 && b.distance > 0) {  // beside their edge
     const double d = std::hypot(a.distance, b.distance);
@@ -21,14 +21,14 @@ Nearness common(const Nearness& a, const Nearness& b) {
   return a.distance >= b.distance ? a : b;
 }
 
-/// A point seen from a layer between two planes across an axis.
+/// Distance and normal relative to a layer between two planes normal to an axis.
 Nearness layer(int axis, double low, double high, const Vec<3>& x) {
   Nearness n{std::max(low - x[axis], x[axis] - high), {}};
   n.normal[axis] = x[axis] > 0.5 * (low + high) ? 1 : -1;
   return n;
 }
 
-/// A point seen from a ball around a centre, of which the first `n` coordinates count.
+/// Distance and normal relative to a ball; only the first `n` coordinates count.
 Nearness ball(const Vec<3>& centre, double radius, int n, const Vec<3>& x) {
   Vec<3> away{};
   for (int a = 0; a < n; ++a) away[a] = x[a] - centre[a];
@@ -54,13 +54,14 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
       if (std::abs(height) < std::abs(n.distance)) {
         n.distance = height;
         normal = out;
-        facing = unbounded;  // no corner is nearer than the edge it ends
+        facing = unbounded;  // no corner is nearer than its edges
       }
       continue;
     }
     const Vec<2> off = from - (s < 0 ? 0.0 : 1.0) * edge;
     const double d = std::sqrt(dot(off, off));
-    // A corner is as near to both its edges: the one seen more from in front tells on which side the point is.
+    // A corner has the same distance from both its edges: the edge that faces the point more directly determines the
+    // side.
     if (d < std::abs(n.distance) * (1 - 1e-12) ||
         (d <= std::abs(n.distance) * (1 + 1e-12) && std::abs(height) > facing)) {
       n.distance = std::copysign(d, height);
@@ -73,8 +74,8 @@ Nearness in_plane(const Polygon& polygon, const Vec<3>& x, int dim) {
   return n;
 }
 
-/// A point seen from a terrain. Its foot, the nearest place of the surface, is where the line along the normal hits the
-/// point: from the foot found so far one goes on to the foot on its plane.
+/// Distance and normal relative to a terrain. The line from the nearest place of the surface to the point is along the
+/// normal; each iteration moves to the nearest place on the tangent plane.
 Nearness above(const Terrain& terrain, const Vec<3>& x) {
   TerrainPlace place = terrain.at(x[0], x[1]);
   const double upright = x[2] - place.height;

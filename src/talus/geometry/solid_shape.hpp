@@ -1,5 +1,5 @@
 #pragma once
-/// Shapes of rigid solids: where a point is with respect to their surface, how thick they are, how far they reach.
+/// Shapes of rigid solids: distance and normal of a point, thickness, extent.
 
 #include <variant>
 
@@ -32,7 +32,7 @@ struct Ground {
   bool operator==(const Ground& o) const { return same_content(surface, o.surface); }
 };
 
-/// What a closed surface of triangles encloses, in 3D.
+/// The volume enclosed by a closed surface of triangles, in 3D.
 struct Mesh {
   std::shared_ptr<const TriangleMesh> surface;
 
@@ -41,21 +41,21 @@ struct Mesh {
 
 using SolidShape = std::variant<HalfSpace, Box, Sphere, Cylinder, Polygon, Ground, Mesh>;
 
-/// Where a point is with respect to a surface.
+/// Distance and normal of a point relative to a surface.
 struct Nearness {
   double distance;  ///< to the surface [m]; negative inside
-  Vec<3> normal;    ///< of the nearest place of the surface, of unit length, outwards
+  Vec<3> normal;    ///< at the nearest place of the surface, unit length, outwards
 };
-/// Of a place that is farther from a terrain than 16 of its pixels, or from the box around a mesh than that is long, the
+/// For places farther than 16 pixels from a terrain, or farther from the box around a mesh than the box is long, the
 /// distance is a lower bound.
 Nearness nearness(const SolidShape& shape, const Vec<3>& x, int dim);
 
-/// How thick a shape is where it is thinnest [m]; a polygon is measured inwards from the middle of its edges, a mesh as
-/// TriangleMesh::thickness says.
+/// Least thickness of a shape [m]; of a polygon measured inwards from the middle of its edges, of a mesh see
+/// TriangleMesh::thickness.
 double thickness(const SolidShape& shape, int dim);
-/// The smallest box around a shape; of a half space, which has none, `otherwise`.
+/// The smallest box around a shape; for a half space, which has none, `otherwise`.
 Box bounding_box(const SolidShape& shape, int dim, const Box& otherwise);
-/// How far the points of a shape are from a point, at most [m].
+/// Largest distance between a point and the points of a shape [m].
 double farthest(const SolidShape& shape, const Vec<3>& from, int dim);
 
 }  // namespace talus

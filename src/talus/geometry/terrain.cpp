@@ -10,7 +10,7 @@ namespace talus {
 
 namespace {
 
-/// Gives numbers to pixels that have none: from the known ones outwards, ring by ring, each the mean of its neighbours.
+/// Fills pixels without a value from the known ones outwards, each with the mean of its neighbours.
 void fill_unknown(PlanRaster& r) {
   std::vector<std::size_t> ring;
   for (std::size_t i = 0; i < r.values.size(); ++i)
@@ -98,8 +98,8 @@ void smooth(std::vector<double>& values, std::size_t first, std::size_t step, in
   }
 }
 
-/// Coefficients c of the spline (c[i-1] + 4 c[i] + c[i+1])/6 = values[i] along a line; without curvature at its ends, where
-/// c is the value itself (Thomas' algorithm).
+/// Coefficients c of the spline (c[i-1] + 4 c[i] + c[i+1])/6 = values[i] along a line; without curvature at its ends,
+/// where c is the value itself (Thomas' algorithm).
 void solve(std::vector<double>& values, std::size_t first, std::size_t step, int n) {
   const auto at = [&](int i) -> double& { return values[first + std::size_t(i) * step]; };
   std::vector<double> above(std::size_t(n), 0.0);
@@ -183,7 +183,7 @@ TerrainPlace Terrain::at(double x, double y) const {
     dy += along_y.slope[j] * value;
     twist += along_y.slope[j] * slope;
   }
-  // Beyond the middles of the outer pixels it goes on in straight lines, off the corners in planes.
+  // Beyond the middles of the outer pixels the surface is extrapolated linearly.
   const double du = u - u_in, dv = v - v_in, z_beyond = z + dx * du + dy * dv;
   if (dv == 0) dy += twist * du;
   if (du == 0) dx += twist * dv;

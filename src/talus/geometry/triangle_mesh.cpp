@@ -19,7 +19,7 @@ namespace {
 
 constexpr double nowhere = std::numeric_limits<double>::infinity();
 
-/// A triangle is without area if it is less high than this share of its longest edge.
+/// A triangle has no area if its height is less than this share of its longest edge.
 constexpr double least_height = 1e-9;
 
 Vec<3> to_unit_length(const Vec<3>& v) {
@@ -61,7 +61,7 @@ Foot foot_on(const std::array<Vec<3>, 3>& c, const Vec<3>& normal, const Vec<3>&
   for (int k = 0; k < 3; ++k) {
     const Vec<3>& a = c[std::size_t(k)];
     const Vec<3> edge = c[std::size_t((k + 1) % 3)] - a, from = x - a;
-    if (dot(from, cross(edge, normal)) < 0) continue;  // the edge has the point on its inner side
+    if (dot(from, cross(edge, normal)) < 0) continue;  // the point is on the inner side of the edge
     beside = true;
     const double s = dot(from, edge) / dot(edge, edge);
     const Vec<3> off = s <= 0 ? from : s >= 1 ? from - edge : from - s * edge;
@@ -190,7 +190,7 @@ std::string TriangleMesh::fault() const {
   if (triangles_.empty()) return "has no triangles";
   long flat = 0;
   int first_flat = 0;
-  std::map<std::pair<int, int>, std::pair<int, int>> uses;  // of an edge: how often there, how often back
+  std::map<std::pair<int, int>, std::pair<int, int>> uses;  // number of uses of an edge in each direction
   for (std::size_t t = 0; t < triangles_.size(); ++t) {
     if (normals_[t] == Vec<3>{} && flat++ == 0) first_flat = triangles_[t][0];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -247,7 +247,7 @@ TriangleMesh::Place TriangleMesh::nearest(const Vec<3>& x) const {
   Vec<3> off{};
   for (int a = 0; a < 3; ++a) off[a] = x[a] < low_[a] ? x[a] - low_[a] : x[a] > high_[a] ? x[a] - high_[a] : 0;
   if (const double far = length(off); far > length(high_ - low_)) return {far, (1 / far) * off};
-  // The nodes of a grid ask at the same places in every step, if the solid rests: each thread remembers what it was told.
+  // If the solid is at rest, nodes of the grid ask for the same places in every step: each thread stores the results.
   struct Told {
     std::uint64_t version = 0;
     Vec<3> x{};
@@ -263,7 +263,7 @@ TriangleMesh::Place TriangleMesh::nearest(const Vec<3>& x) const {
 TriangleMesh::Place TriangleMesh::find_nearest(const Vec<3>& x) const {
   Foot best;
   int best_triangle = -1;
-  std::array<std::pair<int, double>, 128> stack;  // a tree of halves is not as high
+  std::array<std::pair<int, double>, 128> stack;  // deeper than any tree
   std::size_t n = 0;
   if (!tree_.empty()) stack[n++] = {0, distance_squared(x, tree_[0].low, tree_[0].high)};
   while (n > 0) {
@@ -300,7 +300,7 @@ TriangleMesh::Place TriangleMesh::find_nearest(const Vec<3>& x) const {
   const double height = dot(best.off, normal);
   if (best.feature == Feature::face) return {height, normal};
   const double distance = std::copysign(std::sqrt(best.squared), height);
-  // So close to the surface, the way to it is of rounding errors.
+  // This close to the surface the direction consists of rounding errors.
   if (std::abs(distance) < 1e-9 * length(high_ - low_)) return {distance, normal};
   return {distance, (1 / distance) * best.off};
 }
@@ -388,7 +388,7 @@ double TriangleMesh::first_hit(const Vec<3>& from, const Vec<3>& direction, int 
 }
 
 double TriangleMesh::thickness() const {
-  std::vector<std::pair<double, double>> thick;  // and the area that is so thick
+  std::vector<std::pair<double, double>> thick;  // thickness and area
   double whole = 0;
   for (const int number : order_) {
     const auto& t = triangles_[std::size_t(number)];

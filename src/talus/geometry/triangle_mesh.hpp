@@ -1,5 +1,5 @@
 #pragma once
-/// Surfaces of triangles: how far a point is from one, and on which side of it.
+/// Surfaces of triangles: distance and side of a point.
 
 #include <array>
 #include <cstdint>
@@ -12,45 +12,43 @@ namespace talus {
 
 /// A surface of plane triangles in space, which may enclose a body. Lengths in m.
 ///
-/// The side of the surface that a point is on is told by the normal of the nearest feature: that of a triangle, of an
+/// The normal of the nearest feature determines the side of a point: that of a triangle, of an
 /// edge (the mean of its two triangles) or of a corner (weighted with the angles around it). With these the sign is
-/// exact (Baerentzen and Aanaes 2005, IEEE Trans. Vis. Comput. Graph. 11:243). A tree of boxes finds the nearest; of
-/// triangles equally near the first counts, so that results do not depend on the tree.
+/// exact (Baerentzen and Aanaes 2005, IEEE Trans. Vis. Comput. Graph. 11:243). A tree of boxes finds the nearest
+/// triangle; among equally near ones the first counts, so that results do not depend on the tree.
 class TriangleMesh {
  public:
-  /// From the corners of triangles, three each, counterclockwise as seen from outside. Equal corners are one; triangles
-  /// of which two corners are one are left out.
+  /// From the corners of triangles, three each, counterclockwise as seen from outside. Equal corners are merged;
+  /// triangles with two equal corners are left out.
   explicit TriangleMesh(const std::vector<Vec<3>>& corners_of_triangles);
 
   const std::vector<Vec<3>>& corners() const { return corners_; }
-  /// The numbers of their corners.
+  /// Triangles as numbers of their corners.
   const std::vector<std::array<int, 3>>& triangles() const { return triangles_; }
-  /// Triangles that were left out.
+  /// Number of triangles that were left out.
   long left_out() const { return left_out_; }
   /// The smallest box around it.
   const Vec<3>& low() const { return low_; }
   const Vec<3>& high() const { return high_; }
 
-  /// Why it does not enclose a body, in words; empty if it does. A closed surface may cross itself: that is not looked
-  /// for.
+  /// Reason why the surface does not enclose a volume; empty if it does. Self-intersections are not detected.
   std::string fault() const;
-  /// Enclosed [m3]; negative if the triangles show their inner side.
+  /// Enclosed volume [m3]; negative if the triangles are oriented inwards.
   double volume() const;
-  /// Makes the outer side the inner one.
+  /// Reverses the orientation of all triangles.
   void turn_round();
 
   struct Place {
     double distance;  ///< to the surface; negative on its inner side
-    Vec<3> normal;    ///< of the nearest place, of unit length, outwards; beside an edge or a corner, away from it
+    Vec<3> normal;    ///< at the nearest place, unit length, outwards; near an edge or corner it points away from it
   };
-  /// Of a point that is farther from the box around the surface than the box is long, from corner to corner, the distance
-  /// is a lower bound.
+  /// For points farther from the box around the surface than its diagonal, the distance is a lower bound.
   Place nearest(const Vec<3>& x) const;
 
-  /// The heights at which an upright line meets the surface, from below; one where triangles meet.
+  /// Heights at which a vertical line intersects the surface, in increasing order; one where triangles meet.
   std::vector<double> heights_at(double x, double y) const;
 
-  /// How thick the body is: measured inwards from the middles of its triangles, each of which stands for its area. The
+  /// Thickness of the body, measured inwards from the middles of its triangles and weighted with their area. The
   /// thinnest twentieth of the area does not count, because every sharp edge is thin.
   double thickness() const;
 
@@ -76,7 +74,7 @@ class TriangleMesh {
   std::vector<Vec<3>> corner_normals_;
   std::vector<Node> tree_;
   std::vector<int> order_;     ///< of the triangles in the tree
-  std::uint64_t version_ = 0;  ///< no other surface of the program has it
+  std::uint64_t version_ = 0;  ///< unique to this surface in the program
 };
 
 }  // namespace talus

@@ -48,6 +48,21 @@ bool names_a_file(std::string_view key) {
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\n") == text.npos; }
 
+/// A TOML value with the quotes, spaces and digits that talus writes: equal values have equal texts, so equal hashes.
+std::string in_one_form(const std::string& toml_value) {
+  const Document document("a value", "value = " + toml_value);
+  std::ostringstream formatted;
+  const auto flags = toml::toml_formatter::default_flags & ~toml::format_flags::allow_multi_line_strings;
+  document.root().get("value")->visit([&](const auto& value) { formatted << toml::toml_formatter(value, flags); });
+  std::string text;
+  for (const char c : formatted.str())  // long lists have lines
+    if (c != '\n')
+      text += c;
+    else if (!text.ends_with(' '))
+      text += ' ';
+  return text;
+}
+
 }  // namespace
 
 OverrideSeries read_override_series(std::string_view text) {
@@ -58,12 +73,17 @@ OverrideSeries read_override_series(std::string_view text) {
     if (is_blank(value) && !series.overrides.empty())
       throw InputError(fmt::format("--set {} has an empty value; write one comma between values", text));
     series.overrides.push_back(read_override(series.key + (equals < text.size() ? "=" : "") + value));
+    series.overrides.back().value = in_one_form(series.overrides.back().value);
     value.clear();
   };
   int brackets = 0;
   char quote = 0;
+  bool is_escaped = false;
   for (char c : text.substr(std::min(equals + 1, text.size()))) {
-    if (quote != 0 ? c == quote : c == '"' || c == '\'') quote = quote != 0 ? char(0) : c;
+    // A quote begins where TOML has one: at the start of a value, or in a list or table.
+    const bool may_begin = brackets > 0 || is_blank(value);
+    if (quote != 0 ? c == quote && !is_escaped : may_begin && (c == '"' || c == '\'')) quote = quote != 0 ? char(0) : c;
+    is_escaped = quote == '"' && c == '\\' && !is_escaped;
     if (quote == 0) brackets += int(c == '[' || c == '{') - int(c == ']' || c == '}');
     if (c == ',' && quote == 0 && brackets == 0)
       add();

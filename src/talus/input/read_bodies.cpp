@@ -12,8 +12,10 @@ constexpr Text material_of_body{"material", "name of the body's material"};
 constexpr Option lattice{"lattice", "arrangement of the particles at the start", lattice_choices};
 constexpr WholeNumber seed{keys::seed};
 constexpr Numbers velocity{{"velocity", "m/s", {}, "velocity at the start"}, one_per_axis};
-constexpr Parameter spin{
-    "angular_velocity", "rad/s", {}, "turning about the middle of its mass at the start; in 2D positive from x to y"};
+constexpr Parameter spin{"angular_velocity",
+                         "rad/s",
+                         {},
+                         "angular velocity about the centre of mass at the start; in 2D positive from x to y"};
 constexpr Numbers spin_in_3d{spin, 3};
 
 constexpr const char* normal_components[] = {"xx", "yy", "zz"};

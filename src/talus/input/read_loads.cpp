@@ -15,9 +15,9 @@ constexpr Option side_of_body(int dim) {
   return {"side", "side of the body", std::span(side_choices).first(2 * std::size_t(dim))};
 }
 constexpr Numbers traction{{"traction", "Pa", {}, "force per area on the body, along each axis"}, one_per_axis};
-constexpr Parameter pressure_on_side{"pressure", "Pa", {}, "force per area, straight into the body"};
+constexpr Parameter pressure_on_side{"pressure", "Pa", {}, "pressure, normal to the side and into the body"};
 constexpr Numbers times_of_factors{{"times", "s", Range::not_negative(), "instants at which factors are given"}},
-    factors{{"factors", "1", {}, "what the load is multiplied by then; linear between"}},
+    factors{{"factors", "1", {}, "factors on the load at these instants; linear in between"}},
     lower_within{{"min", "m", {}, "lower corner"}, one_per_axis},
     upper_within{{"max", "m", {}, "upper corner"}, one_per_axis};
 
@@ -25,7 +25,8 @@ const Declaration& within_declaration() {
   static const Declaration d("a part of space", {required(lower_within), required(upper_within)});
   return d;
 }
-constexpr Table within_table{"within", "the part of the side that it acts on; without it, all", within_declaration};
+constexpr Table within_table{"within", "part of the side on which the load acts; without it, all of the side",
+                             within_declaration};
 
 /// The number of the body that a load names; -1 if there is none of this name.
 int read_body_of(Section& s, const Case& case_) {

@@ -18,11 +18,11 @@ namespace {
 constexpr Parameter start_of_motion{"from", "s", Range::not_negative(), "instant at which it starts"},
     end_of_motion{"until", "s", Range::positive(), "instant at which it stops"};
 
-constexpr Numbers centre_of_turn{{"centre", "m", {}, "a point on the axis of the turn, at the start"}, one_per_axis},
-    axis_of_turn{{"axis", "1", {}, "direction about which the turn is right-handed"}, 3},
+constexpr Numbers centre_of_turn{{"centre", "m", {}, "a point on the axis of rotation, at the start"}, one_per_axis},
+    axis_of_turn{{"axis", "1", {}, "axis of the right-handed rotation"}, 3},
     times_of_angles{{"times", "s", Range::not_negative(), "instants at which angles are given"}},
-    angles{{"angles", "rad", {}, "how far the solid has turned then"}};
-constexpr Parameter rate_of_turn{"rate", "rad/s", {}, "rate of the turn; in plane strain positive from x to y"};
+    angles{{"angles", "rad", {}, "angles of rotation at these instants"}};
+constexpr Parameter rate_of_turn{"rate", "rad/s", {}, "rate of rotation; in plane strain positive from x to y"};
 const Declaration& rotation_declaration() {
   static const Declaration d(
       "a rotation",
@@ -35,7 +35,7 @@ const Declaration& rotation_declaration() {
 constexpr Table rotation{"rotation", "how the solid turns", rotation_declaration};
 constexpr Numbers velocity_of_solid{{"velocity", "m/s", {}, "velocity of the solid"}, one_per_axis},
     times{{"times", "s", Range::not_negative(), "instants at which displacements are given"}};
-constexpr Points displacements{{"displacements", "m", {}, "where the solid is then, from where it began"},
+constexpr Points displacements{{"displacements", "m", {}, "displacements since the start at these instants"},
                                one_per_axis};
 constexpr Text file_of_motion{"file", "CSV file of the motion, with columns time [s], x, y and in 3D z [m]"};
 

@@ -9,7 +9,7 @@ constexpr Choice integrators[] = {integrator_choices[1], integrator_choices[0], 
 constexpr Integrator schemes[] = {Integrator::return_mapping, Integrator::modified_euler, Integrator::forward_euler};
 
 constexpr Option shape{"shape", "shape functions", shape_function_choices};
-constexpr Option transfer{"transfer", "how velocity goes between particles and grid", transfer_choices};
+constexpr Option transfer{"transfer", "transfer of velocities between particles and grid", transfer_choices};
 constexpr Option order{"order", "when the stress is updated", order_choices};
 constexpr Flag f_bar{"f_bar", "average the rate of volume change over each cell (not with average_pressure)"};
 constexpr Flag average_pressure{"average_pressure", "average the elastic compression over each cell"};

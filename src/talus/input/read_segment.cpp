@@ -1,3 +1,4 @@
+#include <Eigen/Core>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,8 +33,8 @@ constexpr Parameter component_stress_rate{"stress_rate", "Pa/s", {}, "growth of 
 constexpr Choice held[] = {{"held", "stays as it is"}};
 constexpr Option held_component_stress{component_stress.key, component_stress.meaning, held};
 
-/// A linear combination of stresses and strains, sum a_i stress_i + sum b_i strain_i. Coefficients of stresses are numbers;
-/// those of strains are numbers too, or stiffnesses where there are stresses.
+/// A linear combination of stresses and strains, sum a_i stress_i + sum b_i strain_i. Coefficients of stresses are
+/// numbers; those of strains are numbers too, or stiffnesses where there are stresses.
 constexpr std::string_view stress_names[] = {"stress_xx", "stress_yy", "stress_zz",
                                              "stress_xy", "stress_yz", "stress_zx"},
                            strain_names[] = {"strain_xx", "strain_yy", "strain_zz",
@@ -74,7 +75,7 @@ const Declaration& control_declaration() {
   return d;
 }
 constexpr Table driven_component(int i) {
-  return {component_names[i], "how this component is driven", control_declaration};
+  return {component_names[i], "control of this component", control_declaration};
 }
 constexpr Table controlled_stress(int i) {
   return {component_names[i], "a stress that is controlled while the other strains follow the table",
@@ -179,6 +180,37 @@ Control read_control(Section& s, int i, double duration) {
   return c;
 }
 
+/// Refuses combinations that others of the six controls determine: six independent ones are needed.
+void refuse_dependent_combinations(Section& s, const Segment& segment) {
+  using Row = Eigen::Matrix<double, 12, 1>;
+  std::vector<Row> directions;  // orthonormal, of the controls so far
+  // Whether a control is independent of those so far; it is then one of them.
+  const auto is_independent = [&](std::size_t i) {
+    constexpr double stiffness = 1e7;  // [Pa], so that strains and stresses beside each other are of one size
+    const Control& c = segment.controls[i];
+    Row row;
+    for (int k = 0; k < 6; ++k) {
+      row[k] = c.of_strain[std::size_t(k)] / stiffness;
+      row[6 + k] = c.of_stress[std::size_t(k)];
+    }
+    if (row.isZero(0)) row[int(i)] = 1;  // the strain of this component
+    row.normalize();
+    for (int twice = 0; twice < 2; ++twice)
+      for (const Row& d : directions) row -= d.dot(row) * d;
+    if (row.norm() < 1e-9) return false;
+    directions.push_back(row.normalized());
+    return true;
+  };
+  const auto is_combination = [&](std::size_t i) { return segment.controls[i].name.starts_with("combination"); };
+  for (std::size_t i = 0; i < 6; ++i)
+    if (!is_combination(i)) is_independent(i);
+  for (std::size_t i = 0; i < 6; ++i)
+    if (is_combination(i) && !is_independent(i))
+      s.complain(component_names[i],
+                 "has a combination that follows from the other components: an omitted component keeps its strain. "
+                 "Combine components that are not controlled otherwise, this one among them");
+}
+
 /// The components that a segment has tables of, over those it starts with; how many there are.
 int read_controls(Section& s, Table (*component_table)(int), Segment& segment) {
   int n = 0;
@@ -188,6 +220,7 @@ int read_controls(Section& s, Table (*component_table)(int), Segment& segment) {
     segment.controls[std::size_t(i)] = read_control(c, i, segment.duration);
     ++n;
   }
+  refuse_dependent_combinations(s, segment);
   return n;
 }
 
@@ -247,7 +280,7 @@ Segment read_rates(Section& s, const std::string& folder, Segment segment) {
 
 /// A named test, or conditions on components.
 std::vector<Segment> read_conditions(Section& s, Segment segment) {
-  segment.duration = s.number(duration_of_segment, segment.duration, "only collisions feel it");
+  segment.duration = s.number(duration_of_segment, segment.duration, "affects collisions only");
   if (!(segment.duration > 0)) segment.duration = Segment{}.duration;
   if (s.has("first_row")) {
     segment.first_row = s.number(first_row);
@@ -256,7 +289,7 @@ std::vector<Segment> read_conditions(Section& s, Segment segment) {
   if (s.has("test")) return read_named_test(s, segment);
   segment.controls = no_strain();
   if (read_controls(s, driven_component, segment) == 0)
-    s.complain("drives nothing: give `test`, `rates`, or components such as xx = { strain = 0.1 }");
+    s.complain("controls nothing: give `test`, `rates`, or components such as xx = { strain = 0.1 }");
   return {segment};
 }
 

@@ -5,8 +5,8 @@ namespace talus {
 
 namespace {
 
-constexpr Flag hollow{"hollow", "the solid is what lies outside its shape: a drum, a bowl, a pipe"};
-constexpr Table motion{"motion", "how the solid moves; without it, it rests", motion_declaration};
+constexpr Flag hollow{"hollow", "the solid is the space outside its shape: a drum, a bowl, a pipe"};
+constexpr Table motion{"motion", "motion of the solid; without it, the solid is at rest", motion_declaration};
 
 }  // namespace
 

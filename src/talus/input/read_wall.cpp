@@ -10,7 +10,7 @@ namespace {
 constexpr WallKind wall_kinds[] = {WallKind::open,     WallKind::outflow, WallKind::slip,     WallKind::no_slip,
                                    WallKind::friction, WallKind::rough,   WallKind::symmetry, WallKind::periodic};
 constexpr const char *meaning_of_wall = "wall on this side of the domain",
-                     *meaning_of_contact = "what its surface does to material";
+                     *meaning_of_contact = "boundary condition on its surface";
 constexpr Flag separates{"separates", "material may separate from the surface"};
 
 /// The table of a surface that may be of some kinds.

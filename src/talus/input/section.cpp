@@ -142,7 +142,7 @@ std::string Section::text_at(const Text& t, const toml::node& node) {
   std::string lines = value;  // may be several, with tabs
   std::erase_if(lines, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
   if (printable(lines) != lines) {
-    complain(key, fmt::format("holds a control character: {}", meaning));
+    complain(key, fmt::format("contains a control character; remove it ({})", meaning));
     return "";
   }
   understand(key, value, false, meaning);

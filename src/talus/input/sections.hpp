@@ -44,14 +44,14 @@ void read_output(Section& root, Case& case_);
 void read_gauges(Section& root, Case& case_, const std::string& folder);
 
 namespace keys {
-inline constexpr NamedTables materials{{"material", "what bodies are made of", material_declaration}};
+inline constexpr NamedTables materials{{"material", "materials of the bodies", material_declaration}};
 inline constexpr Table domain{"domain", "the box the grid fills", domain_declaration};
 inline constexpr NamedTables bodies{{"body", "the bodies, each a region filled with particles", body_declaration}};
 inline constexpr NamedTables loads{{"load", "stresses on the sides of bodies", load_declaration}};
 inline constexpr Table terrain{"terrain", "the ground of a slope, from a raster of heights", terrain_declaration};
 inline constexpr NamedTables solids{{"solid", "rigid solids inside the domain", solid_declaration}};
 inline constexpr Table numerics{"numerics", "how the equations are solved", numerics_declaration};
-inline constexpr Option preset{"preset", "where the defaults of the other keys come from", preset_choices};
+inline constexpr Option preset{"preset", "set of defaults for the other keys", preset_choices};
 inline constexpr NamedTables gauges{
     {"gauge", "places, and lines across the flow, of which gauges.csv has time histories", gauge_declaration}};
 inline constexpr Table thalweg{"thalweg", "the line down a slope along which runout is measured", thalweg_declaration};
@@ -90,7 +90,7 @@ inline constexpr Table cylinder{"cylinder", "an upright cylinder; in plane strai
 inline constexpr Table polygon{"polygon", "a polygon in the vertical plane", polygon_declaration};
 inline constexpr Table half_space{"half_space", "all points behind a plane", half_space_declaration};
 inline constexpr Table sphere{"sphere", "a sphere; in plane strain a disk", sphere_declaration};
-inline constexpr Table mesh{"mesh", "what a closed surface of triangles encloses", mesh_declaration};
+inline constexpr Table mesh{"mesh", "the volume enclosed by a surface of triangles", mesh_declaration};
 inline constexpr Table image{"image", "the dark pixels of a picture", image_declaration};
 inline constexpr Table points{"points", "particles listed in a file", points_declaration};
 inline constexpr Table release{"release", "a layer on the terrain", release_declaration};

@@ -1,12 +1,13 @@
 #pragma once
-/// What laws of linear elasticity, cohesion and a friction angle share, whatever the shape of their cone. No law itself.
+/// Common part of laws with linear elasticity, cohesion and a friction angle, for any shape of the cone. Not a law
+/// itself.
 ///
 ///   f = q - M (p + c cot phi) <= 0        g = q - M_psi p
 ///
-/// A law says its slopes M and M_psi, which may depend on the Lode angle, and `flow` does the rest: a return that is
-/// implicit, radial (it keeps the Lode angle) and closed-form. Where the cone has no point to return to, the stress
-/// goes to the apex and what opens is remembered, at constant tension if there is cohesion: compression closes it
-/// before it presses. Open, the material does not dilate.
+/// A law gives its slopes M and M_psi, which may depend on the Lode angle; `flow` makes an implicit, radial (at
+/// constant Lode angle), closed-form return. If the cone has no point to return to, the stress goes to the apex, and
+/// the opening is stored, at constant tension if there is cohesion. Compression first closes the opening, then causes
+/// pressure. Open material does not dilate.
 
 #include <cmath>
 #include <numbers>
@@ -21,7 +22,7 @@ struct CohesiveFriction : Elasticity {
   double phi;  ///< friction angle [rad]
   double psi;  ///< dilatancy angle [rad]
 
-  double apex;  ///< follows from the above: p = -c cot phi at the apex [Pa]
+  double apex;  ///< computed from the parameters above: p = -c cot phi at the apex [Pa]
 
   TALUS_HD void prepare() { apex = -c / std::tan(phi); }
 
@@ -33,24 +34,24 @@ struct CohesiveFriction : Elasticity {
     R volume_ratio;  ///< volume over the volume at the start
   };
 
-  /// The elastic compression at the apex. Below it the material has opened, by the difference.
+  /// The elastic compression at the apex. A smaller value means that the material has opened by the difference.
   TALUS_HD double closed() const { return apex / bulk_modulus(); }
 
-  /// Stiffness of a unit of present volume [Pa] at an elastic compression w. What has opened presses only when it has closed
-  /// again, and is then as small as it was.
+  /// Stiffness of a unit of present volume [Pa] at an elastic compression w. An opening carries no pressure until it
+  /// has closed; the volume is then that before the opening.
   template <Number R>
   TALUS_HD R stiffness_at(R w) const {
     if (!any(w < R(closed()))) return R(wave_modulus());
     return R(wave_modulus()) * exp(min(w - R(closed()), R(0.0)));
   }
 
-  /// s where a strain leads without flow.
+  /// Trial deviator s of an elastic strain.
   template <Number R>
   TALUS_HD SymTensor<R> trial_deviator(const State<R>& state, const SymTensor<R>& strain) const {
     return deviator(state.stress) + R(2 * shear_modulus()) * deviator(strain);
   }
 
-  /// Moves a state through a strain. The slopes are of type R, or double where they are the same for all points.
+  /// Updates a state by a strain increment. The slopes are of type R, or double if they are the same for all points.
   template <Number R, class Slope>
   TALUS_HD Response<R> flow(State<R>& state, const SymTensor<R>& strain, const SymTensor<R>& s_trial, Slope M,
                             Slope M_psi) const {
@@ -71,8 +72,8 @@ struct CohesiveFriction : Elasticity {
     const R w_end = select(carries, w + R(M_psi) * dkappa, w);
     const R p = select(carries, max(R(K) * w_end, R(apex)), R(apex));
 
-    // Shear and flow work at the mean of the stresses at both ends, pressure as it follows compression; an opening is held
-    // by the cohesion alone.
+    // Shear and flow work at the mean of the stresses at both ends, pressure as it follows compression; an opening is
+    // held by the cohesion alone.
     const R p_before = pressure(state.stress);
     const SymTensor<R> s_before = deviator(state.stress), s = select(dkappa > zero, q * per_q, R(1.0)) * s_trial;
     const R q_before = R(1.5) * double_dot(s_before, s_trial) * per_q;
@@ -85,13 +86,13 @@ struct CohesiveFriction : Elasticity {
     return {outcome_of(carries, dkappa > zero, w < R(closed())), stiffness_at(w_end), zero, work, plastic_work, zero};
   }
 
-  /// What pressing from one pressure to another takes [J/m3].
+  /// Work of compression between two pressures [J/m3].
   template <Number R>
   TALUS_HD R elastic_work(R from, R to) const {
     return R(0.5 / bulk_modulus()) * (to * to - from * from);
   }
-  /// Stress that follows the logarithmic strain stores its energy in the present volume; what it stored before the volume
-  /// changed is not all there, a share of the order of the elastic strain. Of a unit of present volume [J/m3].
+  /// Energy that elasticity in rate form does not store, per present volume [J/m3]: a share of the order of the elastic
+  /// strain, because the stress follows the logarithmic strain but acts on the present volume.
   template <Number R>
   TALUS_HD R lost_to_volume(const State<R>& before, R volume_ratio) const {
     return (before.volume_ratio / volume_ratio - R(1.0)) * energy_density(before.stress);
@@ -119,14 +120,14 @@ struct CohesiveFriction : Elasticity {
   TALUS_HD static R compression(const State<R>& state) {
     return state.compression;
   }
-  /// Growth of that compression as an opening closes.
+  /// Increase of that compression while an opening closes.
   TALUS_HD static double growth_in_gap() { return 1; }
   template <Number R>
   TALUS_HD R pressure_at(R w) const {
     return max(R(bulk_modulus()) * w, R(apex));
   }
-  /// The volume goes with it: a particle that is given another's opening takes its room as well. Else particles that mix would keep
-  /// the volumes that means gave them, however far from those of their material.
+  /// The volume changes with it, because an opening that the mean transfers takes its volume along. Otherwise the
+  /// volumes of particles that mix would depart from those of their material.
   template <Number R>
   TALUS_HD void impose_compression(State<R>& state, R w, R p) const {
     const R old = pressure(state.stress) - R(apex);
@@ -149,14 +150,14 @@ struct CohesiveFriction : Elasticity {
     return State<double>{initial.stress, p / bulk_modulus(), initial.kappa.value_or(0.0), 1};
   }
 
-  /// What the ranges of single parameters cannot say.
+  /// Errors of the parameters together.
   std::optional<Fault> fault() const {
     if (psi > phi) return Fault{"psi", "must not exceed phi: such a material would create energy"};
     return std::nullopt;
   }
 };
 
-/// The parameters of such a law.
+/// Parameters of these laws.
 template <class Law>
 std::span<const ParameterOf<Law>> cohesive_friction_parameters() {
   constexpr double degree = std::numbers::pi / 180;
@@ -170,7 +171,7 @@ std::span<const ParameterOf<Law>> cohesive_friction_parameters() {
   return table;
 }
 
-/// What can be read off its state.
+/// Quantities that follow from the state.
 template <class Law>
 std::span<const QuantityOf<Law>> cohesive_friction_quantities() {
   using S = CohesiveFriction::State<double>;

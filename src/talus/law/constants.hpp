@@ -1,5 +1,5 @@
 #pragma once
-/// A material as the list of numbers that finite element programs pass to user materials (PROPS).
+/// A material as a list of numbers (PROPS), as finite element programs pass it to user materials.
 ///
 ///   1  law           number of the law, see `law_numbers`
 ///   2  stress_unit   unit of stresses and stiffnesses that are passed, in Pa: 1 for Pa, 1000 for kPa
@@ -48,8 +48,8 @@ struct MaterialConstants {
   double background_pressure = 0;  ///< [Pa]
 };
 
-/// The material of a list of constants, or everything that is wrong with the list, a line each; `array` is what messages
-/// call it. Further numbers after the last constant are ignored.
+/// The material of a list of constants, or all errors of the list, one per line; `array` is the name of the list in
+/// messages. Further numbers after the last constant are ignored.
 std::variant<MaterialConstants, std::string> material_from_constants(std::span<const double> constants,
                                                                      std::string_view array = "PROPS");
 

@@ -11,10 +11,10 @@
 ///   plane strain   M = 3 sin phi sqrt(3 + sin^2 psi)/(3 + sin phi sin psi)   M_psi = 3 sin psi/sqrt(3 + sin^2 psi)
 ///
 /// Deviation: in plane strain the book has M = 3 sin phi/sqrt(3 + sin^2 phi), Drucker and Prager's own match, which is
-/// the above for psi = phi. Where psi < phi it falls short of Mohr and Coulomb, by 4 % at phi = 30 deg and psi = 0. The
+/// the above for psi = phi. For psi < phi that is weaker than Mohr-Coulomb, by 4 % at phi = 30 deg and psi = 0. The
 /// above is exact: without plastic strain across the plane s_zz = -2/9 M_psi q, and Mohr's circle gives M.
 ///
-/// The return, the apex and what opens beyond it are those of cohesive_friction.hpp.
+/// Return, apex and openings are those of cohesive_friction.hpp.
 
 #include <cmath>
 

@@ -1,14 +1,14 @@
 #pragma once
-/// The unified law for solid, flow and deposit: the sum of a critical-state sand model for enduring contacts and a mu(I)
-/// rheology for collisions.
+/// The unified law for solid, flow and deposit: the sum of a critical-state sand model for enduring contacts and a
+/// mu(I) rheology for collisions.
 ///
 ///   sigma = sigma_f + sigma_col                                                                 Eqs. 1, 18
 ///
-/// Deviation: grains that have separated do not collide either, unless `separated_grains` says so. A continuum point
-/// that was thrown off would otherwise push on its neighbours across the gap, and a flow with a free surface explodes.
-/// A sample between plates under a held stress is not thrown off: when the contacts lose their pressure, it dilates until
-/// collisions at its void ratio, the gap included, balance the plates. With `stress_free` there is no such state, because
-/// the stress jumps to zero when the gap opens.
+/// Deviation: separated grains do not collide unless `separated_grains` is "colliding". Otherwise a point that flies
+/// off would exert pressure on its neighbours across the gap, and flows with a free surface would explode. A sample
+/// between plates under constant stress does not fly off: when the contacts lose their pressure, it dilates until
+/// collisions at its void ratio, the gap included, balance the plates. With `stress_free` there is no such state,
+/// because the stress jumps to zero when the gap opens.
 
 #include "talus/law/mu_i.hpp"
 #include "talus/law/simsand.hpp"
@@ -185,7 +185,7 @@ std::span<const QuantityOf<GranularOf<WithHistory>>> GranularOf<WithHistory>::qu
                         q.evaluate(l.frictional, s.frictional, d, v);
                       }});
     for (const auto& q : MuI::quantities()) {
-      if (q.name == "void_ratio") continue;  // told by the contacts
+      if (q.name == "void_ratio") continue;  // already in the table of SIMSAND
       both.push_back({q, [&q](const GranularOf& l, const S& s, const D& d, double* v) {
                         MuI::State<double> alone{};
                         alone.history.stress = collisional_stress(s);

@@ -3,23 +3,29 @@
 ///
 ///   sigma = sigma_f + sigma_col, as in `granular`, but for four things:
 ///
-/// 1. Contacts take part in mu(I) (`contact_friction`). In dense flow collisions carry a share of the pressure that falls
+/// 1. Contacts take part in mu(I) (`contact_friction`). In dense flow collisions carry a share of the pressure that
+/// falls
 ///    with I^2, so in `granular` friction hardly grows with the rate. Here both slopes of the contacts rise with it,
 ///      M_p(I) = M_p R,  M_pt(I) = M_pt R,  R = 1 + (mu(I) - mu_s)/mu_c,
-///    mu_c = M(phi_c)/sqrt 3 being their friction in simple shear: tau/sigma_n gains mu(I) - mu_s at the critical state,
+///    mu_c = M(phi_c)/sqrt 3 being their friction in simple shear: tau/sigma_n gains mu(I) - mu_s at the critical
+///    state,
 ///    where M_p and M_pt meet at every rate. Yield surface, flow rule and hardening stay as they are around R.
 /// 2. Collisions fade with the gap s between grains that have moved apart, w = exp(-(s/(reach d))^2), instead of ending
-///    with contact; s/d is a third of the volumetric strain of the gap. Grains that are sheared while apart forget the
-///    skeleton they had: their gap passes into the void ratio of a looser one, over the strain k_p that mobilises a
-///    skeleton's friction, up to e_ref, beyond which there is none.
+///    with contact; s/d is a third of the volumetric strain of the gap. Shear of separated grains transforms their gap
+///    into void ratio of a looser skeleton, over the strain k_p that mobilises friction, up to e_ref, the loosest
+///    skeleton.
 /// 3. They press along the vorticity axis too: with D.D and |g|^2 I weighted 1 - zeta and zeta,
 ///      sigma_col = w f_Phi (mu |g| D - (1 - zeta) D.D - zeta |g|^2 I),
-///    in simple shear zeta is sigma_zz/sigma_yy. Where D.D would return work (in extension if mu < (1 - zeta)/sqrt 3) it is
-///    cut to what returns none; where a flow opens, its pressure p falls to p s/(s + p tr D), with what shear spends, s, so
+///    in simple shear zeta is sigma_zz/sigma_yy. Where D.D would return work (in extension if mu < (1 - zeta)/sqrt 3)
+///    it is
+///    cut to what returns none; where a flow opens, its pressure p falls to p s/(s + p tr D), with what shear spends,
+///    s, so
 ///    that it never returns more.
-/// 4. f_Phi = rho_s (2 d dPhi/gap)^2 levels off smoothly at Phi_c, gap being max(Phi_c - Phi, Phi_w) rounded over Phi_w,
-///    and is finite beyond: denser bodies are allowed. Grains that give way, of stiffness E_g, exert no more than
-///    E_g^(3/4) (rho_s (2 d |g|)^2)^(1/4) (Chialvo, Sun and Sundaresan 2012, the regime between slow and inertial flow).
+/// 4. f_Phi = rho_s (2 d dPhi/gap)^2 levels off smoothly at Phi_c, gap being max(Phi_c - Phi, Phi_w) rounded over
+/// Phi_w,
+///    and is finite beyond: denser bodies are allowed. The finite stiffness E_g of grains limits the pressure to
+///    E_g^(3/4) (rho_s (2 d |g|)^2)^(1/4) (Chialvo, Sun and Sundaresan 2012, the regime between slow and inertial
+///    flow).
 ///
 /// Steady simple shear under constant normal stress: tau/sigma_n = mu(I), gap = dPhi I where no contacts are left.
 
@@ -30,7 +36,7 @@ namespace talus {
 
 enum class ContactFriction { mu_i, constant };
 inline constexpr Choice contact_friction_choices[] = {
-    {"mu_i", "friction of contacts grows with the inertial number as that of collisions"},
+    {"mu_i", "friction of contacts increases with the inertial number like that of collisions"},
     {"constant", "friction of contacts does not depend on the rate, as in `granular`"},
 };
 
@@ -71,7 +77,7 @@ struct GranularRate {
   PackingLimit packing = PackingLimit::smooth;
 
   double gain;      ///< (mu_d - mu_s)/mu_c, or 0; follows from the above, as does
-  double softness;  ///< dPhi E_g^(-3/8), what A^(3/4) adds to the gap
+  double softness;  ///< dPhi E_g^(-3/8), factor of A^(3/4) in the gap
 
   TALUS_HD void prepare() {
     frictional.prepare();
@@ -96,7 +102,7 @@ struct GranularRate {
     return R(2 * collisional.d * std::sqrt(collisional.rho_s)) * g;
   }
 
-  /// f_Phi [kg/m], Eq. 15 with a gap that is never less than Phi_w, and wider where grains give way: with the pressure
+  /// f_Phi [kg/m], Eq. 15 with a gap of at least Phi_w, and wider for soft grains: with the pressure
   /// p_E = E_g^(3/4) A^(1/2) of the latter and p of Eq. 15, (f |g|^2)^(-1/2) = p^(-1/2) + p_E^(-1/2).
   template <Number R>
   TALUS_HD R momentum_exchange(R Phi, R A) const {
@@ -118,7 +124,7 @@ struct GranularRate {
     return exp(R(0.0) - share * share);
   }
 
-  /// What shear by `strain` makes of grains that have moved apart: the gap passes into the void ratio of the skeleton.
+  /// Effect of shear by `strain` on separated grains: the gap becomes void ratio of the skeleton.
   template <Number R>
   TALUS_HD void rearrange(Simsand::State<R>& state, R strain) const {
     const R zero(0.0), one(1.0), per_gap(1 / frictional.growth_in_gap());
@@ -227,7 +233,8 @@ struct GranularRate {
   static constexpr bool controls_error = true;
   static constexpr std::string_view name = "granular_rate";
   static constexpr std::string_view meaning =
-      "the unified law for predictions: contacts that feel the rate, collisions across gaps, bounded packing";
+      "the unified law for predictions: friction of contacts increases with the rate, collisions across gaps, any "
+      "density";
   static std::span<const ParameterOf<GranularRate>> parameters();
   static std::span<const OptionOf<GranularRate>> options();
   static std::span<const QuantityOf<GranularRate>> quantities();
@@ -260,7 +267,7 @@ inline std::span<const OptionOf<GranularRate>> GranularRate::options() {
     all.push_back({{"contact_friction", "how friction of contacts depends on the rate", contact_friction_choices},
                    [](GranularRate& l, int choice) { l.contact_friction = ContactFriction(choice); },
                    [](const GranularRate& l) { return int(l.contact_friction); }});
-    all.push_back({{"packing", "what becomes of momentum exchange near Phi_c", packing_limit_choices},
+    all.push_back({{"packing", "momentum exchange near Phi_c", packing_limit_choices},
                    [](GranularRate& l, int choice) { l.packing = PackingLimit(choice); },
                    [](const GranularRate& l) { return int(l.packing); }});
     return all;

@@ -1,9 +1,10 @@
 #pragma once
 /// Isotropic linear elasticity in rate form (hypoelastic, with the objective rate of the solver): a baseline.
 ///
-/// With Cauchy's stress sigma in the rate form, as most codes have it, large strains in a closed loop create or take
-/// energy, the relative volume change times what is stored; it is reported as plastic work, whatever its sign. With Kirchhoff's, tau = J sigma, it is Hencky's elasticity tau
-/// = K ln J 1 + 2 G dev ln V (1928, Z. Tech. Phys. 9:215) as long as nothing turns: all work is stored.
+/// With the Cauchy stress sigma in the rate form, as in most codes, closed loops of large strain create or lose energy,
+/// of the order of the stored energy times the relative volume change; it counts as plastic work of either sign. With
+/// Kirchhoff's, tau = J sigma, it is Hencky's elasticity tau
+/// = K ln J 1 + 2 G dev ln V (1928, Z. Tech. Phys. 9:215) without rotation: all work is stored.
 
 #include "talus/law/law.hpp"
 #include "talus/mechanics/elasticity.hpp"
@@ -66,7 +67,7 @@ struct LinearElastic : Elasticity {
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const { return State<double>{initial.stress, 1}; }
 
-  /// What is next to each other stays so: how far apart particles stand is strain.
+  /// Neighbouring particles stay neighbours: their distance is strain.
   static constexpr bool keeps_neighbours = true;
   static constexpr std::string_view name = "linear_elastic";
   static constexpr std::string_view meaning = "isotropic linear elasticity";

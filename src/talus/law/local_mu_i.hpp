@@ -1,22 +1,22 @@
 #pragma once
-/// The mu(I) rheology alone, of dense flow without critical state: linear elasticity with a friction that grows with the
-/// inertial number, and grains that part freely.
+/// The mu(I) rheology of dense flow without critical state: linear elasticity with a friction that increases with the
+/// inertial number, without tension.
 ///
-/// Jop, Forterre and Pouliquen 2006 (Nature 441:727), as an elastic-viscoplastic law by Dunatunga and Kamrin 2015 (J. Fluid
-/// Mech. 779:483). tau = sqrt(s:s/2), c the rate of plastic shear, both as in simple shear:
+/// Jop, Forterre and Pouliquen 2006 (Nature 441:727), as an elastic-viscoplastic law by Dunatunga and Kamrin 2015 (J.
+/// Fluid Mech. 779:483). tau = sqrt(s:s/2), c the rate of plastic shear, both as in simple shear:
 ///
 ///   tau <= mu(I) p      mu(I) = mu_s + (mu_d - mu_s) I/(I_0 + I)      I = c d/sqrt(p/rho_s)
 ///
-/// Plastic flow keeps the volume. Where it opens (no elastic compression is left) there is no stress until it closes.
-/// Dunatunga and Kamrin compare the density with a critical one; here the elastic compression, less the opening, is
-/// remembered, which is the same as long as strains of the skeleton are small.
+/// Plastic flow is at constant volume. Where the material opens (elastic compression falls to zero) there is no stress
+/// until it closes. Dunatunga and Kamrin compare the density with a critical one; here the state has the elastic
+/// compression minus the opening, which is equivalent for small elastic strains.
 ///
-/// The return is implicit and closed-form. With c_0 = I_0/d sqrt(p/rho_s), the rate at which I = I_0, and what elasticity
-/// alone would give, tau_tr = tau + G c dt:
+/// The return is implicit and closed-form. With c_0 = I_0/d sqrt(p/rho_s), the rate at which I = I_0, and the elastic
+/// trial stress, tau_tr = tau + G c dt:
 ///
 ///   tau^2 - (mu_d p + tau_tr + a) tau + mu_d p tau_tr + mu_s p a = 0,     a = G c_0 dt
 ///
-/// of which the smaller root lies on the surface.
+/// whose smaller root is on the surface.
 
 #include <cmath>
 #include <numbers>
@@ -53,7 +53,7 @@ struct LocalMuI : CohesiveFriction {
   TALUS_HD R friction(R I) const {
     return R(mu_s) + R(mu_d - mu_s) * I / (R(I_0) + I);
   }
-  /// tau on the surface under the pressure p, where elasticity alone would give tau_trial > mu_s p after a time dt.
+  /// tau on the surface under the pressure p, for a trial stress tau_trial > mu_s p and a time dt.
   template <Number R>
   TALUS_HD R returned(R tau_trial, R p, double dt) const {
     const R a = R(shear_modulus() * I_0 / d * dt) * sqrt(p / R(rho_s));
@@ -109,10 +109,10 @@ inline std::span<const ParameterOf<LocalMuI>> LocalMuI::parameters() {
       poissons_ratio<L>(),
       {{"rho_s", "kg/m3", Range::positive(), "density of the grains"}, [](L& l) -> double& { return l.rho_s; }},
       {{"d", "m", Range::positive(), "grain diameter"}, [](L& l) -> double& { return l.d; }},
-      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way"},
+      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way between mu_s and mu_d"},
        [](L& l) -> double& { return l.I_0; }},
       {{"mu_s", "1", Range::positive(), "friction at rest"}, [](L& l) -> double& { return l.mu_s; }},
-      {{"mu_d", "1", Range::positive(), "friction of the fastest flow"}, [](L& l) -> double& { return l.mu_d; }},
+      {{"mu_d", "1", Range::positive(), "friction at large inertial number"}, [](L& l) -> double& { return l.mu_d; }},
   };
   return table;
 }

@@ -2,11 +2,12 @@
 /// Linear elasticity with Mohr-Coulomb strength: a baseline.
 ///
 ///   f = (s1 - s3) + (s1 + s3) sin phi - 2 c cos phi <= 0        g = (s1 - s3) + (s1 + s3) sin psi
-/// with principal stresses s1 >= s2 >= s3, tension-positive. Strain flows across the faces of Mohr and Coulomb's pyramid and,
-/// on its edges, across both that meet there (Koiter 1953); the return is implicit and closed-form (de Souza Neto, Peric and
-/// Owen 2008, Computational Methods for Plasticity, Sec. 8.2). With another rule for the Lode angle the surface is smooth,
+/// with principal stresses s1 >= s2 >= s3, tension-positive. Strain flows across the faces of Mohr and Coulomb's
+/// pyramid and, on its edges, across both that meet there (Koiter 1953); the return is implicit and closed-form (de
+/// Souza Neto, Peric and Owen 2008, Computational Methods for Plasticity, Sec. 8.2). With another rule for the Lode
+/// angle the surface is smooth,
 ///   f = q - M(phi, S) (p + c cot phi) <= 0        g = q - M(psi, S) p
-/// and the flow radial. The apex and what opens beyond it are those of cohesive_friction.hpp.
+/// and the flow radial. Apex and openings are those of cohesive_friction.hpp.
 
 #include "talus/law/cohesive_friction.hpp"
 #include "talus/mechanics/friction.hpp"
@@ -59,7 +60,7 @@ struct MohrCoulomb : CohesiveFriction {
     R s[3];
   };
 
-  /// Moves a state through a strain that leads to a trial stress with the Lode angle of S.
+  /// Updates a state by a strain increment whose trial stress has the Lode angle of S.
   template <Number R>
   TALUS_HD Response<R> flow_on_pyramid(State<R>& state, const SymTensor<R>& strain, const SymTensor<R>& s_trial,
                                        R S) const {
@@ -75,7 +76,7 @@ struct MohrCoulomb : CohesiveFriction {
     const Principal<R> end = returned(trial, p_trial - R(apex), amount);
     const mask_t<R> yields = amount > zero, touches = (state.compression >= R(closed())) | (w > R(closed()));
     const R w_end_on_pyramid = w + R(2 * sin_psi) * amount;
-    // Beyond the apex the faces that would flow lead to tension, which the apex has none of.
+    // Beyond the apex the return to the faces would give a tension larger than at the apex.
     const mask_t<R> carries = touches & (w_end_on_pyramid > R(closed())) & (end.s[0] >= end.s[2]);
     const R w_end = select(carries, w_end_on_pyramid, w);
     const R p = select(carries, max(R(K) * w_end, R(apex)), R(apex));
@@ -84,8 +85,8 @@ struct MohrCoulomb : CohesiveFriction {
     for (int k = 0; k < 6; ++k) s[k] = select(carries, select(yields, flown[k], s_trial[k]), zero);
     const R dkappa = von_mises(s_trial - s) * R(1 / (3 * G));
 
-    // Work at the mean of the stresses at both ends, pressure as it follows compression; an opening is held by the cohesion
-    // alone.
+    // Work at the mean of the stresses at both ends, pressure as it follows compression; an opening is held by the
+    // cohesion alone.
     const R p_before = pressure(state.stress);
     const SymTensor<R> mean = R(0.5) * (deviator(state.stress) + s);
     const R dilating = select(carries, R(0.5) * (p_before + p) * (w_end - w), zero);
@@ -98,22 +99,22 @@ struct MohrCoulomb : CohesiveFriction {
     return {outcome_of(carries, dkappa > zero, w < R(closed())), stiffness_at(w_end), zero, work, plastic_work, zero};
   }
 
-  /// What is left of a trial deviator and a pressure, counted from the apex, when as much has flowed as brings f to zero; the
-  /// sum of the plastic multipliers is `amount`.
+  /// Returns a trial deviator and a pressure, relative to the apex, to f = 0; `amount` is the sum of the plastic
+  /// multipliers.
   template <Number R>
   TALUS_HD Principal<R> returned(const R (&deviator)[3], R pressure, R& amount) const {
     const R zero = R(0.0);
     const double K = bulk_modulus(), G = shear_modulus(), product = sin_phi * sin_psi;
     const R t[3] = {deviator[0] - pressure, deviator[1] - pressure, deviator[2] - pressure};
     const auto f = [&](const R& major, const R& minor) { return major - minor + R(sin_phi) * (major + minor); };
-    // What a unit of flow across a face takes from its most tensile stress, and gives to the one between and the least.
+    // Change of the largest, intermediate and least principal stress per unit of flow across a face.
     const double taken = 2 * G * (1 + sin_psi / 3) + 2 * K * sin_psi,
                  given = 2 * G * (1 - sin_psi / 3) - 2 * K * sin_psi, between = (4 * G / 3 - 2 * K) * sin_psi;
     const double by_own = 4 * G * (1 + product / 3) + 4 * K * product;
 
     const R f_face = max(f(t[0], t[2]), zero), face = f_face * R(1 / by_own);
     const R on_face[3] = {t[0] - R(taken) * face, t[1] + R(between) * face, t[2] + R(given) * face};
-    // Where nothing flows, roundings may have changed the order of equal ones.
+    // Without flow, rounding may have changed the order of equal stresses.
     const mask_t<R> is_face = (f_face <= zero) | ((on_face[0] >= on_face[1]) & (on_face[1] >= on_face[2]));
 
     // An edge: of extension, where the two lesser stresses are equal, or of compression, where the greater ones are.
@@ -132,8 +133,8 @@ struct MohrCoulomb : CohesiveFriction {
              select(is_face, on_face[2], least)}};
   }
 
-  /// The deviator in the principal directions of s, whose principal values are `from`, of the stress with the values `to`:
-  /// the polynomial in s through both, by Newton's divided differences. What is equal in s stays equal.
+  /// The deviator in the principal directions of s, whose principal values are `from`, of the stress with the values
+  /// `to`: the polynomial in s through both, by Newton's divided differences. Equal principal values of s stay equal.
   template <Number R>
   TALUS_HD static SymTensor<R> with_principal(const SymTensor<R>& s, const R (&from)[3], const Principal<R>& to) {
     const R zero = R(0.0), tiny = R(1e-12) * (from[0] - from[2]);
@@ -147,7 +148,7 @@ struct MohrCoulomb : CohesiveFriction {
 };
 
 inline std::span<const OptionOf<MohrCoulomb>> MohrCoulomb::options() {
-  // Mohr-Coulomb's own hexagon comes first here: it is the default of this law.
+  // The hexagon of Mohr-Coulomb is the first choice: the default of this law.
   static constexpr Choice choices[] = {lode_choices[1], lode_choices[0], lode_choices[2]};
   static constexpr LodeRule rules[] = {LodeRule::mohr_coulomb, LodeRule::sheng, LodeRule::none};
   static const OptionOf<MohrCoulomb> table[] = {

@@ -12,11 +12,11 @@
 /// - total: sigma_col = f_Phi (mu |g| D - D.D), the integral of Eq. 12 from rest at constant void ratio and direction.
 ///   No history, zero at rest. The default.
 /// - incremental: the increments of mu |g| D - D.D, weighted with the current f_Phi.
-/// - rate: Eq. 12 itself. It leaves stress behind at rest once the void ratio or the direction has changed.
+/// - rate: Eq. 12 itself. A stress remains at rest after the void ratio or the direction has changed.
 ///
-/// Deviations, and why: p in I is the mean pressure of the total stress, in the total form p_f + tr(D.D) f_Phi/3, and mu is
-/// written without dividing by it; strain acceleration is the change of the strain rate between steps, not sym grad a (which
-/// would make steady extension grow stress); Phi_c - Phi is kept above 0.02.
+/// Deviations, and why: p in I is the mean pressure of the total stress, in the total form p_f + tr(D.D) f_Phi/3, and
+/// mu is written without dividing by it; strain acceleration is the change of the strain rate between steps, not sym
+/// grad a (which would make steady extension grow stress); Phi_c - Phi is kept above 0.02.
 
 #include "talus/law/law.hpp"
 
@@ -52,7 +52,7 @@ struct MuI {
     return R(1.0) / (R(1.0) + void_ratio);
   }
 
-  /// f_Phi [kg/m]: how strongly grains of volume fraction Phi exchange momentum. Eq. 15
+  /// f_Phi [kg/m]: momentum exchange of grains at the volume fraction Phi. Eq. 15
   template <Number R>
   TALUS_HD R momentum_exchange(R Phi) const {
     const R loosening = R(2 * d * dPhi) / max(R(Phi_c) - Phi, R(0.02));
@@ -73,7 +73,7 @@ struct MuI {
     return R(mu_s) + R(mu_d - mu_s) * A / max(R(I_0) * root(max(p, R(0.0))) + A, R(1e-300));
   }
 
-  /// What the forms with history remember.
+  /// State of the forms with history.
   template <class R>
   struct History {
     SymTensor<R> stress;  ///< sigma_col [Pa]
@@ -81,14 +81,14 @@ struct MuI {
     R f, p_f;             ///< the last f_Phi [kg/m] and contact pressure [Pa]
   };
 
-  /// What can be seen of a flow at one point.
+  /// Quantities of a flow at a point.
   struct Observation {
     double I, mu,
         viscosity;  ///< I is infinite where nothing confines moving grains; viscosity is 2 f_Phi mu |g| [Pa s]
   };
   Observation observe(const SymTensor<double>& strain_rate, const History<double>& h, double void_ratio) const {
     const double g = shear_rate(deviator(strain_rate)), f = momentum_exchange(volume_fraction(void_ratio));
-    // In the total form the pressure follows from the present flow; the others remember theirs.
+    // In the total form the pressure follows from the present strain rate; in the others it is part of the state.
     const double p_col = form == CollisionalForm::total ? dispersive_pressure(f, g) : pressure(h.stress);
     const double p = std::max(0.0, h.p_f + p_col), mu = friction(g, p);
     return {g > 0 ? 2 * d * g * std::sqrt(rho_s / p) : 0, mu, 2 * f * mu * g};
@@ -101,7 +101,7 @@ struct MuI {
     return (mu * g) * D - pressing;
   }
 
-  /// What collisions do in a step: a stress, and what bounds the time step.
+  /// Collisional stress of a step, and the viscosity that limits the time step.
   template <class R>
   struct Collision {
     SymTensor<R> stress;  ///< [Pa], tension-positive
@@ -118,7 +118,8 @@ struct MuI {
   }
 
   /// The forms with history. Eq. 12 is integrated at the middle of the step, or from its start as the paper does
-  /// (`from_start`). The pressure in I is that of the stress itself; mu has no part in its change, because D is a deviator.
+  /// (`from_start`). The pressure in I is that of the stress itself; mu has no part in its change, because D is a
+  /// deviator.
   template <Number R>
   TALUS_HD Collision<R> collide(History<R>& past, const SymTensor<R>& strain_rate, R void_ratio, R p_f,
                                 bool from_start) const {
@@ -151,7 +152,7 @@ struct MuI {
     return {past.stress, R(2.0) * (R(1.0) + friction(g, p)) * g * f};
   }
 
-  // ---- the law on its own: grains that only collide, under a constant background pressure ------------------------
+  // ---- the law `mu_i`: collisions only, under a constant background pressure ------------------------
 
   template <class R>
   struct State {
@@ -216,7 +217,7 @@ struct MuI {
                          initial.void_ratio};
   }
 
-  /// What the ranges of single parameters cannot say.
+  /// Errors of the parameters together.
   std::optional<Fault> fault() const {
     if (mu_d < mu_s)
       return Fault{"mu_d", "must not be less than mu_s: friction grows with the inertial number (Eq. 16)"};
@@ -236,7 +237,7 @@ struct MuI {
 
 inline std::span<const ParameterOf<MuI>> MuI::parameters() {
   static const ParameterOf<MuI> table[] = {
-      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way (Eq. 16)"},
+      {{"I_0", "1", Range::positive(), "inertial number at which friction is half way between mu_s and mu_d (Eq. 16)"},
        [](MuI& l) -> double& { return l.I_0; }},
       {{"rho_s", "kg/m3", Range::positive(), "density of the grains (Eq. 15)"},
        [](MuI& l) -> double& { return l.rho_s; }},

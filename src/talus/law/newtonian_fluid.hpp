@@ -4,10 +4,10 @@
 ///   sigma = -p I + 2 eta dev(D)        p = K c,   c = -ln(V/V_0)   where c > 0
 ///
 /// The bulk modulus K need not be the liquid's: with K >= 100 rho v^2 the density stays within 1 % (Monaghan's choice,
-/// waves ten times faster than the flow), and steps are the longer.
+/// waves ten times faster than the flow), and a smaller K permits longer steps.
 ///
-/// Deviation: the fluid carries no tension. Where it opens (c < 0) it carries nothing at all until it closes again, as
-/// spray does; the opening is remembered in c.
+/// Deviation: the fluid carries no tension. Where it opens (c < 0) it carries no stress until it closes again, like
+/// spray; c includes the opening.
 
 #include <cmath>
 
@@ -35,7 +35,7 @@ struct NewtonianFluid {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const R zero(0.0);
-    const R stored_before = elastic_energy(state) * exp(-trace(motion.strain));  // of what is a unit of volume now
+    const R stored_before = elastic_energy(state) * exp(-trace(motion.strain));  // of the present unit of volume
     state.compression = state.compression - trace(motion.strain);
     const mask_t<R> closed = state.compression > zero;
     const R viscosity = select(closed, R(eta), zero);

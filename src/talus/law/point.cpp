@@ -51,7 +51,7 @@ constexpr int n_lengths = 4, n_offsets = 4;            // of differences; of nei
 constexpr double offsets[n_offsets] = {-2, -1, 1, 2};  // in lengths
 constexpr int n_neighbours = 6 * n_lengths * n_offsets;
 
-/// The strain over which the stress changes by itself. Elastic: stress over stiffness; viscous: the increment.
+/// Strain that would change the stress by its own magnitude. Elastic: stress over stiffness; viscous: the increment.
 double strain_scale(const SymTensor<double>& stress, const Response<double>& r, const Motion<double>& motion) {
   const double by_stress = r.stiffness > 0 ? norm(stress) / r.stiffness : 0, by_increment = norm(motion.strain);
   const double scale = by_stress > 0 ? by_stress : by_increment;

@@ -1,5 +1,5 @@
 #pragma once
-/// The laws there are. To add one: write its header, include it here, name it in `Laws`.
+/// List of all laws. To add one, write its header, include it here and add it to `Laws`.
 
 #include <variant>
 
@@ -29,7 +29,7 @@ using Laws = LawList<Granular, GranularWithHistory, GranularRate, Simsand, MuI, 
                      LinearElastic, NewtonianFluid, SimsandAppendixA>;
 using AnyLaw = Laws::any;
 
-/// The type that a law's options ask for: `granular` with a history where its collisional form needs one.
+/// Selects the type according to the options: `granular` with history if its collisional form needs one.
 template <class Law>
 AnyLaw settled(const Law& law) {
   if constexpr (std::same_as<Law, Granular>) {
@@ -52,11 +52,11 @@ inline AnyLaw with_scaled_stiffness(AnyLaw any_law, double factor) {
   return any_law;
 }
 
-/// Laws under whose name a user asks; the others are variants that their options ask for.
+/// Laws with a name in the input; the others are variants selected by options.
 template <class Law>
 inline constexpr bool is_named = !std::same_as<Law, GranularWithHistory>;
 
-/// Whether what is next to each other in such a material stays so: it does not flow.
+/// Whether neighbouring particles stay neighbours, because the material does not flow.
 inline bool keeps_neighbours(const AnyLaw& any_law) {
   return std::visit(
       []<class Law>(const Law&) {

@@ -10,10 +10,10 @@
 ///   e_c = e_ref exp(-Lambda (p/p_at)^xi)                                                            Eq. 8
 ///   tan phi_p = (e_c/e)^n_p tan phi_c,   tan phi_pt = (e/e_c)^n_d tan phi_c                         Eqs. 9, 10
 ///
-/// Where we deviate from the paper, and why:
+/// Deviations from the paper:
 /// - The pressure is carried as x = (p/p_at)^(1-n), which is linear in the elastic volumetric strain: dx = a d eps_v, a
-///   = (1-n) K/p_at at p = p_at. It starts from zero stress without a floor; below zero it remembers the gap that has
-///   opened between the grains, eps_gap = x/a(e_ref).
+///   = (1-n) K/p_at at p = p_at. It starts from zero stress without a floor; below zero it is the gap that has opened
+///   between the grains, eps_gap = x/a(e_ref).
 /// - The yield condition is multiplied by p: the same zero set, nothing divided by zero.
 /// - Consistency is full: M_p moves with p, e and the Lode angle. Leaving it frozen costs 14 to 77 % of q in undrained
 ///   paths (docs/theory/frictional_stress.md, Sec. 6).
@@ -32,8 +32,8 @@ namespace talus {
 
 inline constexpr double atmospheric_pressure = 101300;  ///< p_at [Pa], Eq. 4
 
-/// Friction that does not change with the rate. What takes its place (see `granular_rate.hpp`) says by what factor both
-/// slopes, M_p and M_pt, exceed those at rest at the pressure p [Pa], and how that changes with p [1/Pa].
+/// Friction independent of the rate. Its replacement in `granular_rate.hpp` returns the factor on both slopes, M_p and
+/// M_pt, at the pressure p [Pa], and the derivative of this factor [1/Pa].
 struct ConstantFriction {
   static constexpr bool is_constant = true;
   TALUS_HD ConstantFriction of_lane(int) const { return {}; }
@@ -148,7 +148,7 @@ struct Simsand {
     return max(state.x, R(1e-300)) * (R(1.0) + state.skeleton_void_ratio) /
            (R(exponent() * growth_factor()) * room * room * max(p, R(1e-200)));
   }
-  /// Work that unloading gives back [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by
+  /// Elastic energy [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by
   /// shear, at the present stiffness.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
@@ -157,7 +157,7 @@ struct Simsand {
     const R compression = R(m / (m + 1)) * p * p * compliance(state, p);
     return select(p > R(0.0), compression, R(0.0)) + stored_in_shear(state);
   }
-  /// Its part by shear [J/m3]: what friction gets where contacts are lost.
+  /// Its part due to shear [J/m3], which becomes frictional heat when contacts are lost.
   template <Number R>
   TALUS_HD R stored_in_shear(const State<R>& state) const {
     const R p = pressure(state.stress);
@@ -193,8 +193,8 @@ struct Simsand {
     state.x = x;
   }
 
-  /// Shear over normal stress where sand is sheared on and on in a layer, M/sqrt 3 at sin 3theta = 0: in simple shear at
-  /// the critical state the strain rate's deviator, and with it the stress's, has no part but the shear.
+  /// Shear over normal stress in simple shear at the critical state, M/sqrt 3 at sin 3theta = 0: there the deviators of
+  /// strain rate and stress consist of the shear only.
   TALUS_HD double critical_friction() const { return friction_slope(lode, tan_phi_c, 0.0) / std::numbers::sqrt3; }
 
   /// Horizontal over vertical stress at rest: Jaky 1944.
@@ -203,7 +203,7 @@ struct Simsand {
   /// The state under a given stress. Without kappa, the least that can carry it: kappa = k_p eta/(M_p - eta).
   StateOrReason<State<double>> at_rest(const InitialState& initial) const;
 
-  static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness means something (Eq. 4)
+  static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness is positive (Eq. 4)
   static constexpr bool controls_error = true;
   static constexpr std::string_view name = "simsand";
   static constexpr std::string_view meaning = "critical-state sand model for enduring contacts (Eqs. 2-11)";
@@ -315,7 +315,7 @@ template <Number R, class Friction>
 TALUS_HD Response<R> Simsand::update(State<R>& state, const Motion<R>& motion, const Integration& how,
                                      const Friction& friction) const {
   if (how.scheme == Integrator::return_mapping) return detail::return_mapping(*this, state, motion, friction);
-  // The explicit schemes branch too much to share an instruction stream; they take one particle after the other.
+  // The explicit schemes have too many branches for packs; they compute one particle after the other.
   return lane_by_lane(state, motion, [&](State<double>& one, const Motion<double>& m, int lane) {
     return how.scheme == Integrator::modified_euler
                ? detail::modified_euler(*this, one, m, how.tolerance, friction.of_lane(lane))

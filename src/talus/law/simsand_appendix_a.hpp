@@ -1,6 +1,5 @@
 #pragma once
-/// SIMSAND read literally as the scalars of Appendix A of Feng, Yin and Liang: for remaking their Figs. 3 and 4, never
-/// for a flow.
+/// SIMSAND with the scalars of Appendix A of Feng, Yin and Liang, to reproduce their Figs. 3 and 4; not for flows.
 ///
 /// Appendix A calls the normal stress p = sigma_n and the shear stress q = tau_xy, the volumetric strain eps_n and the
 /// deviatoric strain eps_xy. With these, and the triaxial slope M = 6 sin phi/(3 - sin phi) in simple shear,
@@ -48,13 +47,13 @@ struct SimsandAppendixA {
     return R(0.0);  // the scalars are not work-conjugate
   }
   template <class R>
-  TALUS_HD static void turn(State<R>&, const Tensor<R>&) {}  // knows one shear plane only
+  TALUS_HD static void turn(State<R>&, const Tensor<R>&) {}  // has only one shear plane
   template <class R>
   TALUS_HD static R specific_volume(const State<R>& state) {
     return R(1.0) + state.void_ratio;
   }
   double earth_pressure_at_rest() const { return 1; }
-  /// It has no meaning outside element tests.
+  /// For element tests only.
   static constexpr bool for_element_tests_only = true;
 
   StateOrReason<State<double>> at_rest(const InitialState& initial) const {

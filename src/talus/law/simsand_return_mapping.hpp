@@ -1,15 +1,15 @@
 #pragma once
-/// SIMSAND's implicit integration: any step size, any state, several particles at once. The equations stand in
+/// Implicit integration of SIMSAND for steps of any size, any state, and packs of particles. The equations are in
 /// simsand.hpp.
 
 #include "talus/law/simsand.hpp"
 
 namespace talus::detail {
 
-/// Contacts pressed to less than this lose their stress: 1e-11 Pa for n = 1/2, less for larger n.
+/// Smallest x of contacts; below it they lose their stress: 1e-11 Pa for n = 1/2, less for larger n.
 inline constexpr double least_x = 1e-8;
 
-/// The volume of a step, before friction has its say: compression closes a gap first, then presses the contacts.
+/// Volume change of a step without friction: compression first closes a gap, then causes pressure.
 template <class R>
 struct Trial {
   mask_t<R> can_touch;  ///< the grains touch, or the gap closes in this step
@@ -40,7 +40,7 @@ TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& s
       select(state.x >= zero, state.x / law.growth(state.skeleton_void_ratio), state.x * R(1 / law.growth_in_gap()));
   const R gap = min(closed + D_v, zero);
   const R e = any(gap < zero) ? (one + t.e) * exp(gap) - one : t.e;
-  // Contacts pressed too little to count keep what they have.
+  // Contacts with negligible pressure keep it.
   const R x = select((t.x > zero) & (t.x <= R(least_x)), t.x, R(law.growth_in_gap()) * gap);
   return {SymTensor<R>::zero(), x, kappa, e};
 }
@@ -58,8 +58,8 @@ struct ReturnPoint {
   TALUS_HD R eta() const { return h * M_p; }  ///< q/p, where the point yields
 };
 
-/// The implicit return as one equation for x. Moduli are secants of the step, so elasticity is exact; the return is
-/// radial, so that d kappa is the root of a quadratic and f = 0 holds to rounding whatever x is.
+/// The implicit return as a scalar equation for x. Moduli are secants of the step, so elasticity is exact; the return
+/// is radial, so that d kappa is the root of a quadratic and f = 0 holds to rounding whatever x is.
 template <class R, class Friction>
 struct ReturnEquation {
   const Simsand& law;
@@ -96,8 +96,8 @@ struct ReturnEquation {
     eee = double_dot(e2, e_dev);
   }
 
-  /// At x = exp(ln_x). What takes the time is the chain of operations that wait for each other, so the logarithm is handed
-  /// in; and divisions and square roots, so there are as few as may be.
+  /// Evaluates the equations at x = exp(ln_x). The caller passes the logarithm, and divisions and square roots are few,
+  /// because the chain of dependent operations determines the time.
   TALUS_HD ReturnPoint<R> at(R x, R ln_x) const {
     const R zero = R(0.0), two = R(2.0);
     ReturnPoint<R> r;
@@ -145,8 +145,8 @@ struct ReturnEquation {
     return r;
   }
 
-  /// d residual/dx, nearly: where the point yields, at a constant Lode angle, M taken as proportional to the tangent
-  /// of its angle.
+  /// Approximation of d residual/dx: where the point yields, at a constant Lode angle, M taken as proportional to the
+  /// tangent of its angle.
   TALUS_HD R slope(const ReturnPoint<R>& r) const {
     const R one = R(1.0), kappa = kappa_n + r.dkappa, k = R(law.k_p) + kappa;
     const R per_both = one / (r.x * k), per_x = k * per_both, per_k = r.x * per_both;
@@ -167,8 +167,7 @@ struct ReturnEquation {
   }
 };
 
-/// What is to be expected at x + step, from the points at x and at x - dx: what changes little on the line through both,
-/// p on its own curve p ~ x^m.
+/// Extrapolation to x + step from the points at x and x - dx: slowly varying quantities linearly, p as p ~ x^m.
 template <Number R>
 TALUS_HD ReturnPoint<R> extrapolate(const ReturnPoint<R>& at, const ReturnPoint<R>& before, R step, R dx, double m) {
   const R per_both = R(1.0) / (dx * at.x), t = step * at.x * per_both, d = step * dx * per_both;
@@ -201,8 +200,8 @@ TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const
           select(m, a.per_root, b.per_root)};
 }
 
-/// Implicit return mapping: first order, unconditionally found. With no root above `least_x` the contacts have lost
-/// their pressure.
+/// Implicit return mapping of first order; it always finds a solution. Without a root above `least_x` the contacts have
+/// lost their pressure.
 template <Number R, class Friction = ConstantFriction>
 TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
                                                                  const Motion<R>& motion,
@@ -222,7 +221,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   // The residual is negative at `low` and positive at `high`, once either is known.
   M low_known = r.residual < zero;
   R low = select(low_known, r.x, floor), high = select(low_known, unbounded, r.x);
-  // x is found to about 1e-8; no closer to rounding than 1e-13 of what the residual adds up.
+  // x is found to about 1e-8; and not closer than 1e-13 of the sum of magnitudes in the residual.
   const R noise = R(1e-13) * abs(trial.x);
   // What the next guess adds to x: a Newton step first, then steps of the secant.
   R step = -r.residual / max(equation.slope(r), R(0.1));
@@ -251,7 +250,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     // The secant's root if it is one; an impossible value halves the bracket instead.
     step = select(dresidual * dx > R(1e-6) * dx * dx, -r.residual * dx / dresidual, -unbounded);
     // The secant's root misses the curve's by the step times what the slope changes, relatively: step/dx from the last
-    // point, and no less than (dx/x)^2. Where that is little, the root needs no look at the equation any more.
+    // point, and no less than (dx/x)^2. If that is small, the equation is not evaluated again at the root.
     const R turn = max(abs(step) * r.x * r.x, abs(dx * dx * dx));
     const M sure = open & (abs(step) * turn <= R(1e-8) * r.x * r.x * r.x * abs(dx));
     if (any(sure)) {
@@ -260,7 +259,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     }
   }
   const R x = select(elastic, trial.x, r.x);
-  // Stored before the step, of what is a unit of volume after it.
+  // Energy stored before the step, per unit of volume after it.
   const R shrunk = (R(1.0) + state.skeleton_void_ratio) / (R(1.0) + trial.e);
   const R stored_before = shrunk * law.elastic_energy(state), shear_before = shrunk * law.stored_in_shear(state);
 
@@ -279,9 +278,9 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   response.outcome = select(open, R(double(Outcome::unconverged)), response.outcome);
   response.stiffness = select(carries, law.wave_modulus(law.bulk_modulus(trial.a, r.p, x)), zero);
   response.viscosity = zero;
-  // Shear and flow work at the mean of the stresses at both ends, compression along p ~ x^m; a gap opens and closes without
-  // work. With stiffness that follows the pressure not all elastic work is stored. Where contacts are lost, they give back
-  // what compression stored, and friction has what shear did.
+  // Shear and flow work at the mean of the stresses at both ends, compression along p ~ x^m; a gap opens and closes
+  // without work. With stiffness that follows the pressure not all elastic work is stored. When contacts are lost, they
+  // release the energy of compression; the energy of shear becomes frictional heat.
   const R q = select(elastic, r.q_trial, r.p * r.eta());
   const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) * r.per_q;
   const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + q);

@@ -1,11 +1,11 @@
 #pragma once
-/// SIMSAND's explicit integration, one point at a time: substeps with error control, and the paper's single step.
+/// Explicit integration of SIMSAND for single points: substeps with error control, and the single step of the paper.
 
 #include "talus/law/simsand_return_mapping.hpp"
 
 namespace talus::detail {
 
-/// Where a point stands between substeps. Volumetric quantities are compression-positive, the deviator is
+/// State of a point between substeps. Volumetric quantities are compression-positive, the deviator is
 /// tension-positive.
 struct SubstepState {
   SymTensor<double> s;
@@ -20,7 +20,7 @@ struct SplitStrain {
   TALUS_HD SplitStrain part(double fraction) const { return {fraction * dev, fraction * D_v}; }
 };
 
-/// What a strain increment changes, to first order.
+/// First-order change due to a strain increment.
 struct Change {
   SymTensor<double> s;
   double x, dkappa;
@@ -76,7 +76,7 @@ struct Tangent {
   TALUS_HD double eta() const { return q / p; }
   TALUS_HD double dilatancy() const { return law.A_d * (M_pt - eta()); }
 
-  /// How fast f grows if the increment is elastic. From full consistency: p, e and the Lode angle all move the surface.
+  /// Increase of f in an elastic increment. With full consistency: p, e and the Lode angle all change the surface.
   TALUS_HD double loading(const SplitStrain& strain) const {
     double by_lode = 0;
     if (F_S != 0) {
@@ -90,7 +90,7 @@ struct Tangent {
     }
     return F_p * K * strain.D_v + 2 * G * double_dot(flow, strain.dev) + by_lode - F_e * (1 + e) * strain.D_v;
   }
-  /// How fast f falls with d kappa.
+  /// Decrease of f with d kappa.
   TALUS_HD double resistance() const {
     const double k = law.k_p + kappa;
     return 3 * G + F_p * K * dilatancy() + p * peak.M * law.k_p / (k * k);
@@ -135,7 +135,7 @@ TALUS_HD Heun heun(const Simsand& law, const SubstepState& from, const SplitStra
   return {improved, max(in_s, max(in_p, in_h)), true};
 }
 
-/// Brings a state that drifted off the yield surface back along the plastic flow, the total strain unchanged.
+/// Returns a state that has drifted off the yield surface along the plastic flow, at constant total strain.
 template <class Friction>
 TALUS_HD SubstepState correct_drift(const Simsand& law, SubstepState state, const SplitStrain& strain,
                                     const Friction& friction) {
@@ -152,18 +152,18 @@ TALUS_HD SubstepState correct_drift(const Simsand& law, SubstepState state, cons
 }
 
 inline constexpr double on_surface = 1e-9;     ///< |f|/p that counts as yielding
-inline constexpr double least_substep = 1e-9;  ///< fraction of an increment below which error control gives up
-/// x below which explicit substeps would have to follow the vanishing elastic strain, and the strain of the implicit
-/// steps that take over there.
+inline constexpr double least_substep = 1e-9;  ///< smallest fraction of an increment under error control
+/// Limit of x below which explicit substeps would have to resolve the vanishing elastic strain; implicit steps of this
+/// strain replace them.
 inline constexpr double fading_x = 1e-4, fading_strain = 1e-5;
 
-/// Void ratio after a part of an increment.
+/// Void ratio after a fraction of an increment.
 TALUS_HD inline double e_after(const SubstepState& from, const SplitStrain& part) {
   return (1 + from.e) * exp(-part.D_v) - 1;
 }
 
 /// An elastic substep from inside or on the yield surface, as much of `fraction` of the increment as does not end
-/// outside; `fraction` becomes what it took.
+/// outside; `fraction` returns the part that was used.
 template <class Friction>
 TALUS_HD Heun elastic_substep(const Simsand& law, const SubstepState& from, const SplitStrain& whole, double p,
                               double f_start, double& fraction, const Friction& friction) {
@@ -175,7 +175,7 @@ TALUS_HD Heun elastic_substep(const Simsand& law, const SubstepState& from, cons
   };
   double high = fraction, f_high = yield_after(high);
   if (f_high <= on_surface * p) return h;
-  if (f_start >= -on_surface * p) {  // it leaves the surface inwards and comes back out: stay inside
+  if (f_start >= -on_surface * p) {  // the path leaves the surface inwards and returns: stay inside
     while (f_high > on_surface * p && fraction > least_substep) f_high = yield_after(fraction *= 0.5);
     return h;
   }
@@ -217,7 +217,7 @@ TALUS_NOINLINE TALUS_HD Response<double> modified_euler(const Simsand& law, Sims
     if (explicit_works) {
       const SplitStrain strain = whole.part(step);
       SubstepState from{deviator(state.stress), state.x, state.kappa, state.skeleton_void_ratio};
-      // A state that was put outside, by averaging over a cell or by the user, flows back first.
+      // A state outside the surface, due to averaging over a cell or the input, is returned first.
       if (Tangent(law, from, strain, friction).yield() > on_surface * law.pressure_at(from.x))
         from = correct_drift(law, from, strain, friction);
       const Tangent start(law, from, strain, friction);
@@ -241,7 +241,7 @@ TALUS_NOINLINE TALUS_HD Response<double> modified_euler(const Simsand& law, Sims
         response.work += 0.5 * (double_dot(from.s + to.s, by.dev) + (law.pressure_at(from.x) + p) * by.D_v);
         state = {stress_from(to.s, p), to.x, to.kappa, to.e};
         response.outcome = double(yielding ? Outcome::plastic : Outcome::elastic);
-        // What an elastic part took up to the yield surface says nothing of the steps after it.
+        // The size of the elastic part gives no estimate for the following substeps.
         if (taken == step) step *= next.error > 0 ? min(max(0.9 * sqrt(tolerance / next.error), 0.1), 2.0) : 2.0;
         done = done + taken >= 1 - 1e-14 ? 1 : done + taken;
       }
@@ -252,12 +252,12 @@ TALUS_NOINLINE TALUS_HD Response<double> modified_euler(const Simsand& law, Sims
           law, state, Motion<double>{step * motion.strain, motion.strain_rate, step * motion.dt}, friction);
       response.outcome = r.outcome;
       response.work += r.work;
-      // Without pressure there is nothing to follow closely.
+      // Without pressure no error control is needed.
       implicit_step = r.outcome > double(Outcome::plastic) ? 2 * implicit_step : fading_step;
       done = done + step >= 1 - 1e-14 ? 1 : done + step;
     }
   }
-  // All that is not stored: heat of the flow, of what drift was corrected, and what elasticity in rate form loses.
+  // All energy that is not stored: frictional heat, drift correction, and the loss of elasticity in rate form.
   response.plastic_work = response.work - (law.elastic_energy(state) - stored * exp(whole.D_v));
   const double p = pressure(state.stress);
   response.stiffness =
@@ -265,8 +265,8 @@ TALUS_NOINLINE TALUS_HD Response<double> modified_euler(const Simsand& law, Sims
   return response;
 }
 
-/// The paper's integration, Eq. 11: moduli and flow of the start of the step, nothing corrected. A pressure that falls
-/// to zero leaves the point without stress.
+/// The integration of the paper, Eq. 11, with moduli and flow of the start of the step and without drift correction. If
+/// the pressure falls to zero, the point loses its stress.
 template <class Friction = ConstantFriction>
 TALUS_NOINLINE TALUS_HD Response<double> forward_euler(const Simsand& law, Simsand::State<double>& state,
                                                        const Motion<double>& motion, const Friction& friction = {}) {

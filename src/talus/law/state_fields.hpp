@@ -74,7 +74,8 @@ constexpr std::span<const StateField> fields_of_state() {
 
 }  // namespace detail
 
-/// The fields of a law's state; their components add up to `state_size`, which a law without an entry above does not.
+/// The fields of a law's state; their components must add up to `state_size`; a law without an entry above does not
+/// compile.
 template <class Law>
 constexpr std::span<const StateField> state_fields() {
   constexpr std::span<const StateField> fields = detail::fields_of_state<Law>();

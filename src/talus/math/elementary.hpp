@@ -44,7 +44,7 @@ TALUS_HD R exp(R x) {
   const R k = shifted - R(rounding);
   const R high = multiply_add(k, R(-ln2_high), x);
   const R r = multiply_add(k, R(-ln2_low), high);
-  // Pairs, then pairs of pairs: the chain of operations that wait for each other is half as long as Horner's.
+  // Pairs, then pairs of pairs: the chain of dependent operations is half as long as in Horner's scheme.
   const R r2 = r * r, r4 = r2 * r2;
   const R c01 = multiply_add(R(0.1666666666666641), r, R(0.5000000000000011));
   const R c23 = multiply_add(R(0.008333333333494976), r, R(0.04166666666652973));
@@ -86,9 +86,9 @@ TALUS_HD R log(R x) {
   return multiply_add(k, R(ln2_high), f - (half_f2 - tail)) + trouble;
 }
 
-/// 1/sqrt x, at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its logarithm,
-/// so minus half of them is nearly the result; from its error e = 1 - x y^2 the series of (1 - e)^(-1/2) does the rest. A
-/// square root and a division block their unit three times as long.
+/// 1/sqrt x, at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its
+/// logarithm, so minus half of them is a first estimate y; the series of (1 - e)^(-1/2) in its error e = 1 - x y^2
+/// corrects it. A square root and a division take three times as long.
 template <Number R>
 TALUS_HD R inverse_root(R x) {
   using namespace detail;

@@ -1,5 +1,5 @@
 #pragma once
-/// One number as a pack of one, so that code which walks packs of particles serves single ones too.
+/// A double as a pack of one, so that code for packs of particles also works for single ones.
 
 #include "talus/math/pack.hpp"
 
@@ -13,7 +13,7 @@ TALUS_HD inline void store(double* column, double x, int = 1) { *column = x; }
 TALUS_HD inline double sum_of(double x) { return x; }
 TALUS_HD inline double largest_of(double x) { return x; }
 
-/// Adds up numbers lane by lane, of packs in eight lanes however wide they are: so every width gives the same bits.
+/// Adds up numbers in eight lanes, for packs of any width, so that every width gives the same bits.
 template <class R>
 struct LaneSum {
   using Lanes = std::conditional_t<(width_of<R> > Octet::width), Octet, R>;

@@ -1,5 +1,5 @@
 #pragma once
-/// Several numbers at once, and the few words that let one source serve a single number and a pack of them.
+/// Packs of numbers, and the functions with which one source serves a single number and a pack.
 ///
 /// A law is written once against a number type `R`. With R = double it updates one particle; with R = Pack it updates
 /// `pack_width` of them, one in each lane. Where a scalar program would branch, such code
@@ -30,7 +30,7 @@ struct MaskOfLanes {
   TALUS_HD friend bool all(MaskOfLanes m) { return all_of(m.lanes); }
 };
 
-/// Several doubles, a number of each of as many particles, or what a node holds.
+/// Several doubles: one quantity of several particles, or the numbers of a node.
 template <class Lanes>
 struct Doubles {
   static constexpr int width = lanes_in<Lanes>;
@@ -38,7 +38,7 @@ struct Doubles {
   Lanes lanes;
 
   Doubles() = default;
-  TALUS_HD Doubles(double x) { broadcast(x, lanes); }  // NOLINT: a plain number stands for equal ones in all lanes
+  TALUS_HD Doubles(double x) { broadcast(x, lanes); }  // NOLINT: a plain number has the same value in all lanes
   TALUS_HD explicit Doubles(Lanes l) : lanes(l) {}
 
   TALUS_HD double operator[](int lane) const { return lanes[lane]; }
@@ -71,9 +71,9 @@ struct Doubles {
   }
 };
 
-/// What a node holds, or a number of each of four particles.
+/// The four numbers of a node, or one number of each of four particles.
 using Quad = Doubles<FourDoubles>;
-/// What a node holds of two things.
+/// The numbers of two quantities of a node.
 using Octet = Doubles<EightDoubles>;
 /// A number of each of the particles that a law updates at a time: eight, or sixteen with AVX-512.
 using Pack = Doubles<PackDoubles>;
@@ -87,7 +87,7 @@ TALUS_HD inline Octet octet_of(Quad low, Quad high) {
   return both;
 }
 
-/// Rows become columns.
+/// Transposes four rows.
 TALUS_HD inline void transpose(Quad (&m)[4]) {
   const FourDoubles a = m[0].lanes, b = m[1].lanes, c = m[2].lanes, d = m[3].lanes;
   const FourDoubles ab_even = shuffle<0, 4, 2, 6>(a, b), ab_odd = shuffle<1, 5, 3, 7>(a, b);
@@ -100,7 +100,7 @@ TALUS_HD inline void transpose(Quad (&m)[4]) {
 
 namespace detail {
 
-/// The slow ends of `load` and `store`.
+/// `load` and `store` of fewer numbers than lanes.
 template <class P>
 TALUS_COLD TALUS_HD P load_few(const double* column, int count) {
   P p;
@@ -114,11 +114,11 @@ TALUS_COLD TALUS_HD void store_few(double* column, int count, P p) {
 
 }  // namespace detail
 
-/// How many numbers an R holds: a double, too (lanes.hpp).
+/// Number of values in an R; 1 for double (lanes.hpp).
 template <class R>
 inline constexpr int width_of = int(sizeof(R) / sizeof(double));
 
-/// Lanes from and to memory. Only the first `count` numbers are touched; when loading, further lanes repeat the last.
+/// Loads and stores lanes. Only the first `count` numbers are accessed; when loading, further lanes repeat the last.
 template <class P>
 TALUS_HD P load(const double* column, int count = width_of<P>) {
   if (count < P::width) return detail::load_few<P>(column, count);
@@ -146,11 +146,11 @@ TALUS_HD double largest_of(P p) {
   return largest;
 }
 
-/// What a law may be written against.
+/// Number types of laws.
 template <class R>
 concept Number = std::same_as<R, double> || std::same_as<R, Pack> || std::same_as<R, Quad>;
 
-/// The truth type that goes with a number type.
+/// Type of a comparison of numbers of type R.
 template <class R>
 struct MaskOf {
   using type = typename R::Mask;
@@ -180,7 +180,7 @@ TALUS_HD inline double multiply_add(double a, double b, double c) {
   return a * b + c;
 }
 
-/// Applies a function of one double to every lane: for what is too rare to be written for packs.
+/// Applies a function of one double to every lane: for rare cases that are not written for packs.
 template <class F>
 TALUS_HD double lanewise(F f, double x) {
   return f(x);
@@ -191,7 +191,7 @@ TALUS_HD Pack lanewise(F f, Pack x) {
   return x;
 }
 
-/// The numbers of a struct that consists of nothing but numbers of type R, one after the other.
+/// The numbers of a struct that has only members of type R, in their order.
 template <Number R, class Struct>
 TALUS_HD R* numbers_of(Struct& s) {
   static_assert(sizeof(Struct) % sizeof(R) == 0 && std::is_trivially_copyable_v<Struct>);

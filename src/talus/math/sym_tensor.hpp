@@ -54,7 +54,7 @@ TALUS_HD R double_dot(const SymTensor<R>& a, const SymTensor<R>& b) {
   return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + R(2.0) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
 }
 
-/// a . a, which is symmetric when a is.
+/// a . a, symmetric because a is.
 template <class R>
 TALUS_HD SymTensor<R> square(const SymTensor<R>& a) {
   return {a.xx * a.xx + a.xy * a.xy + a.zx * a.zx, a.xy * a.xy + a.yy * a.yy + a.yz * a.yz,

@@ -6,7 +6,7 @@
 
 namespace talus {
 
-/// The two constants that a user knows, and what follows from them.
+/// The two elastic constants of the user, and derived moduli.
 struct Elasticity {
   double E;   ///< Young's modulus [Pa]
   double nu;  ///< Poisson's ratio
@@ -14,10 +14,10 @@ struct Elasticity {
   void scale_stiffness(double factor) { E *= factor; }
   TALUS_HD double bulk_modulus() const { return E / (3 * (1 - 2 * nu)); }
   TALUS_HD double shear_modulus() const { return E / (2 * (1 + nu)); }
-  /// K + 4/3 G [Pa], of compression without lateral strain.
+  /// K + 4/3 G [Pa], the modulus of compression without lateral strain.
   TALUS_HD double wave_modulus() const { return bulk_modulus() + 4.0 / 3.0 * shear_modulus(); }
 
-  /// What the stress grows by under a strain: K tr(eps) I + 2 G e.
+  /// Stress increment due to a strain: K tr(eps) I + 2 G e.
   template <class R>
   TALUS_HD SymTensor<R> stress_increment(const SymTensor<R>& strain) const {
     return SymTensor<R>::isotropic(R(bulk_modulus()) * trace(strain)) + R(2 * shear_modulus()) * deviator(strain);
@@ -31,7 +31,7 @@ struct Elasticity {
   }
 };
 
-/// The rows of E and nu in the table of a law that is made of `Elasticity`.
+/// E and nu in the table of parameters of a law with `Elasticity`.
 template <class Law>
 ParameterOf<Law> youngs_modulus() {
   return {{"E", "Pa", Range::positive(), "Young's modulus"}, [](Law& l) -> double& { return l.E; }};

@@ -1,5 +1,5 @@
 #pragma once
-/// How strong friction is away from triaxial compression.
+/// Dependence of friction on the Lode angle and on the rate.
 
 #include <cmath>
 #include <numbers>
@@ -9,7 +9,7 @@
 
 namespace talus {
 
-/// How the slope M = q/p at failure depends on the Lode angle.
+/// Dependence of the slope M = q/p at failure on the Lode angle.
 enum class LodeRule {
   sheng,         ///< Sheng, Sloan and Yu 2000, Comput. Mech. 26:185: smooth, close to Mohr-Coulomb
   mohr_coulomb,  ///< Mohr-Coulomb's hexagon itself
@@ -18,23 +18,23 @@ enum class LodeRule {
 
 inline constexpr Choice lode_choices[] = {
     {"sheng", "smooth, meets Mohr-Coulomb in triaxial compression and extension (Sheng et al. 2000)"},
-    {"mohr_coulomb", "Mohr-Coulomb's hexagon itself"},
-    {"none", "as strong in every direction as in triaxial compression"},
+    {"mohr_coulomb", "hexagon of Mohr-Coulomb"},
+    {"none", "friction of triaxial compression for every Lode angle"},
 };
 
-/// How the coefficient of Coulomb friction grows with the inertial number, mu + gain I/(I_0 + I): what grains have on a bed
-/// of their like.
+/// Increase of the coefficient of Coulomb friction with the inertial number, mu + gain I/(I_0 + I), for grains on a bed
+/// of the same grains.
 struct FrictionRise {
-  double gain = 0;      ///< mu of the fastest flow less mu at rest
-  double I_0 = 1;       ///< inertial number at which half of it is there
+  double gain = 0;      ///< mu at large inertial number minus mu at rest
+  double I_0 = 1;       ///< inertial number of half the increase
   double diameter = 0;  ///< of the grains [m]
-  double Phi = 1;       ///< share of the volume that they fill
+  double Phi = 1;       ///< volume fraction
 
   bool operator==(const FrictionRise&) const = default;
 };
 
-/// Angles beyond this are cut. Sheng's surface is convex up to 46.5 degrees; from 48.5 on it is dented in simple shear
-/// too.
+/// Larger angles are limited to this. Sheng's surface is convex up to 46.5 degrees; from 48.5 degrees on it is also
+/// concave in simple shear.
 inline constexpr double steepest_tangent = 1.1106125148291928;  // tan 48 deg
 
 /// M and its derivatives by the tangent of the friction angle and by S = sin 3theta.
@@ -51,8 +51,8 @@ TALUS_HD R sine_of_tangent(R t) {
 
 namespace detail {
 
-/// theta in [-pi/6, pi/6] from S = sin 3theta. Within rounding of triaxial states it is theirs: the arcsine would turn
-/// an error of 1e-15 into one of 1e-8.
+/// theta in [-pi/6, pi/6] from S = sin 3theta. States within rounding of triaxial states count as triaxial: the arcsine
+/// would turn an error of 1e-15 into one of 1e-8.
 template <class R>
 TALUS_HD R lode_angle(R S) {
   return lanewise([](double s) { return std::asin(std::abs(s) > 1 - 1e-14 ? std::copysign(1.0, s) : s) / 3; }, S);
@@ -97,7 +97,7 @@ TALUS_HD inline FrictionSlope<double> friction_slope_and_derivatives(LodeRule ru
       const double by_sine = 3 * std::numbers::sqrt3 * std::cos(theta) / (width * width);
       const double by_theta =
           -3 * sine * (sine * std::cos(theta) - std::numbers::sqrt3 * std::sin(theta)) / (width * width);
-      // At the hexagon's corners S does not change to first order, so the derivative is never used there.
+      // At the corners of the hexagon S is constant to first order, so the derivative has no effect there.
       const double cos3 = std::sqrt(std::fmax(1 - S * S, 1e-12));
       return {M, by_sine * dsine, by_theta / (3 * cos3)};
     }

@@ -1,5 +1,5 @@
 #pragma once
-/// Stress and strain invariants. The only file of talus that turns a sign.
+/// Stress and strain invariants. This is the only file that changes the sign convention.
 ///
 /// Tensors are tension-positive everywhere. The scalars of soil mechanics (pressure, volumetric compression) are
 /// compression-positive. Shear strains are tensor components: eps_xy = (du/dy + dv/dx) / 2.
@@ -30,7 +30,7 @@ TALUS_HD SymTensor<R> stress_from(const SymTensor<R>& s, R p) {
 /// Tension-positive to compression-positive, or back: how element tests are given and reported.
 template <class R>
 TALUS_HD SymTensor<R> opposite_sign(const SymTensor<R>& a) {
-  return SymTensor<R>::zero() - a;  // and not -a, which would write -0
+  return SymTensor<R>::zero() - a;  // not -a, which would give -0
 }
 
 /// s = a - tr(a)/3 I

@@ -1,11 +1,11 @@
 #pragma once
-/// How a material point moves in one step: strain and rotation.
+/// Motion of a material point in a step: strain and rotation.
 
 #include "talus/math/tensor.hpp"
 
 namespace talus {
 
-/// What happens to the material at one point during one step, seen in the frame that turns with it.
+/// Strain of a material point during a step, in the frame that rotates with the material.
 template <class R = double>
 struct Motion {
   SymTensor<R> strain;       ///< increment of strain [-], tension-positive

@@ -1,5 +1,5 @@
 #pragma once
-/// How particles lie in tiles, and the grid, the walls and the contacts that follow from it.
+/// Arrangement of particles in tiles, and the grid, walls and contacts that follow from it.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ struct RunTiles {
   std::vector<long> work;  ///< as Body::cost
 };
 
-/// A closed contact, wherever its tile is held.
+/// A closed contact, of any owner.
 template <int Dim>
 struct ClosedContact {
   Index<Dim> tile;
@@ -28,7 +28,7 @@ struct ClosedContact {
   bool sticks;
 };
 
-/// Those of all owners, in the order of tiles.
+/// Closed contacts of all owners, in the order of tiles.
 template <int Dim, class Shape>
 std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
   Message mine;
@@ -52,7 +52,7 @@ std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
   return all;
 }
 
-/// Gives the tiles held here the contacts that were closed. Those of tiles that are gone are lost.
+/// Restores closed contacts of the tiles of this owner. Contacts of tiles that no longer exist are dropped.
 template <int Dim, class Shape>
 void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<Dim>>& closed) {
   std::vector<std::pair<Index<Dim>, int>> at;  // place and number here
@@ -66,10 +66,10 @@ void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<D
   }
 }
 
-/// Deals the tiles out to threads, in shares of about equal work.
+/// Divides the tiles among threads in shares of about equal work.
 template <int Dim, class Shape>
 void deal_out_tiles(Model<Dim, Shape>& m) {
-  constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // what the nodes of a tile take, in particles
+  constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // cost of the nodes of a tile, in particles
   const int n_tiles = m.grid.n_tiles(), n_workers = m.backend.n_workers();
   std::vector<long> work(std::size_t(n_tiles) + 1, 0);
   for (int t = 0; t < n_tiles; ++t) {
@@ -82,8 +82,8 @@ void deal_out_tiles(Model<Dim, Shape>& m) {
     m.shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
 }
 
-/// Sets up the grid under particles that lie, in the order of cells, in the tiles of a run that this owner has. `tiles` of
-/// the bodies are ranges in these tiles.
+/// Sets up the grid for the particles of this owner, which are in the order of cells. `tiles` of the bodies are ranges
+/// in the tiles of this owner.
 template <int Dim, class Shape>
 void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
@@ -105,15 +105,15 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   deal_out_tiles(m);
 }
 
-/// What the nodes of a tile take in a step, beside its particles.
+/// Cost of the nodes of a tile in a step, without its particles.
 template <int Dim, class Shape>
 void add_work_of_nodes(std::vector<long>& work) {
   constexpr long of_node = 15;  // ns, in five loops over nodes and the windows that they add up
   for (long& w : work) w += of_node * TileLayout<Dim, Shape>::n_nodes;
 }
 
-/// Sets the costs of bodies from the time that all owners have taken for their stresses, where it differs by more than a
-/// fifth from what was assumed.
+/// Updates the costs of bodies from the measured time of their stress updates on all owners, if it differs from the
+/// assumed one by more than a fifth.
 template <int Dim, class Shape>
 void measure_costs(Model<Dim, Shape>& m) {
   if (m.backend.n_owners() == 1) return;
@@ -139,7 +139,7 @@ void measure_costs(Model<Dim, Shape>& m) {
   }
 }
 
-/// Puts the particles of all owners in the order of tiles and cells, and the grid under them.
+/// Sorts the particles of all owners by tiles and cells and sets up the grid.
 template <int Dim, class Shape>
 void arrange(Model<Dim, Shape>& m) {
   const auto closed = closed_contacts(m);

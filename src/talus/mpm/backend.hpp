@@ -1,21 +1,20 @@
 #pragma once
-/// Where a run is computed: by which threads, and by which owners of tiles. The solver calls it; the back ends implement
-/// it.
+/// Interface of the solver to threads and owners of tiles; back ends implement it.
 ///
 /// Owners share a run: each holds the particles of some tiles and the nodes around them, and all go through the same
-/// steps at the same time. They meet wherever one of the functions below is called. A single owner, the usual case, meets
-/// nobody.
+/// steps at the same time. Each of the functions for owners below is a point of synchronisation. A single owner, the
+/// usual case, has none.
 
 #include <functional>
 #include <vector>
 
 namespace talus {
 
-/// How the numbers from 0 on are dealt out: worker w begins with those from shares[w] up to shares[w + 1]. So it meets
-/// from loop to loop what it has in its cache. A worker that is done helps the others.
+/// Division of the numbers from 0 on: worker w starts with those from shares[w] up to shares[w + 1], so that the data
+/// of successive loops stay in its cache. A worker that has finished helps the others.
 using Shares = std::vector<int>;
 
-/// What one owner sends to another.
+/// Message of one owner to another.
 using Message = std::vector<double>;
 
 class Backend {
@@ -26,8 +25,8 @@ class Backend {
 
   /// How many workers may run at the same time.
   virtual int n_workers() const = 0;
-  /// Calls body(i, worker) once for every i in [0, shares.back()), in any order, 0 <= worker < n_workers(). An exception
-  /// leaves the loop.
+  /// Calls body(i, worker) once for every i in [0, shares.back()), in any order, 0 <= worker < n_workers(). An
+  /// exception ends the loop and is passed on.
   virtual void for_each(const Shares& shares, const std::function<void(int i, int worker)>& body) = 0;
 
   /// The same for i in [0, n), in equal shares.
@@ -40,13 +39,13 @@ class Backend {
   // ---- owners
 
   virtual int n_owners() const { return 1; }
-  /// The number of this one, from 0.
+  /// Number of this owner, from 0.
   virtual int owner() const { return 0; }
   /// Sends messages[o] to owner o. Returns what each owner has sent to this one, in their order.
   virtual std::vector<Message> exchange(std::vector<Message> messages) { return messages; }
 
-  /// The same where every owner knows how many numbers come: sizes[o] from owner o. So those that send each other nothing
-  /// need not meet.
+  /// The same if every owner knows how many numbers it receives: sizes[o] from owner o. Owners without messages for
+  /// each other then need no synchronisation.
   virtual std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) {
     (void)sizes;
     return exchange(std::move(messages));

@@ -1,5 +1,6 @@
 #pragma once
-/// Where nodes meet walls that rub or let go, and rigid solids. What contacts do is in kernel/contact.hpp.
+/// Finds contacts of nodes with walls with friction or separation and with rigid solids. Their effect is in
+/// kernel/contact.hpp.
 
 #include <algorithm>
 #include <array>
@@ -20,11 +21,11 @@
 
 namespace talus {
 
-/// Finds the nodes where contacts act.
+/// Finds the nodes in contact.
 template <int Dim>
 class ContactFinder {
  public:
-  /// `unit_weight` [N/m3]: of what slides on ground whose friction is turbulent.
+  /// `unit_weight` [N/m3]: of the material on ground with turbulent friction.
   ContactFinder(const Domain<Dim>& domain, std::vector<Solid> solids, double unit_weight = 0)
       : domain_(domain),
         solids_(std::move(solids)),
@@ -38,13 +39,13 @@ class ContactFinder {
   const std::vector<Solid>& solids() const { return solids_; }
   const AccountNumbers& accounts() const { return accounts_; }
 
-  /// Tiles have new numbers: finds again what is known of their nodes.
+  /// Updates the stored data of tiles after they have been renumbered.
   void number_tiles(std::span<const Tile<Dim>> tiles) {
     for (std::size_t n = 0; n < solids_.size(); ++n)
       if (is_ground(solids_[n])) ground_[n].number_tiles(tiles);
   }
 
-  /// What may be left of a displacement of a point within a cell of solids: nothing that goes into one.
+  /// Limits a displacement of a point near solids, so that it does not end inside one.
   Vec<3> beside_solids(const Vec<3>& x, Vec<3> displacement, double time) const {
     for (const Solid& solid : solids_) {
       const Nearness here = solid.near(x, solid.motion.at(time), Dim);
@@ -54,11 +55,11 @@ class ContactFinder {
     return displacement;
   }
 
-  /// Whether there is anything to meet.
+  /// Whether there are walls or solids with contacts.
   bool any() const { return any_; }
 
-  /// The contacts of a tile's nodes at time t, solids before walls; `found` holds those of before, of which the closed
-  /// ones stay closed. `momentum`: of the nodes of all tiles.
+  /// Finds the contacts of the nodes of a tile at time t, solids before walls; `found` has the contacts of the last
+  /// step, and closed ones stay closed. `momentum`: of the nodes of all tiles.
   void find(const Tile<Dim>* tiles, const MassMomentum* momentum, const Mirrors<Dim>& walls, bool near_wall, int t,
             double time, double least_mass, std::vector<NodeContact>& found) {
     std::vector<NodeContact> closed;
@@ -97,7 +98,7 @@ class ContactFinder {
         if (global_node<Dim>(place, node)[axis] == on && counts(node))
           found.push_back({node, domain_.walls[side], normal, {}, number, accounts_.of_side(side)});
     }
-    // Both lists are in the same order.
+    // Both lists have the same order.
     auto next = found.begin();
     for (const NodeContact& c : closed) {
       const auto at = std::find_if(next, found.end(),
@@ -116,24 +117,24 @@ class ContactFinder {
   }
   static bool is_ground(const Solid& solid) { return std::holds_alternative<Ground>(solid.shape); }
 
-  /// Nodes so deep below ground carry nothing: what lies on it is less than two cells away along each axis.
+  /// Nodes this deep below the ground have no mass: material on it is less than two cells away along each axis.
   static constexpr double deepest = 3.5;
 
-  /// The nodes of a tile that are the ground's, or may be: all that material on it may touch.
+  /// Nodes of a tile that are in contact with the ground, or may be.
   struct GroundTile {
     struct Node {
       int node;
       Vec<3> normal;
     };
     std::vector<Node> nodes;
-    /// Which nodes are the ground's of each column through the tile and next to it: a bit a layer, from `column_reach`
-    /// layers below the tile to as many above.
+    /// For each column of nodes in and beside the tile: bits of the layers in contact with the ground, from
+    /// `column_reach` layers below the tile to as many above.
     std::array<unsigned, power(tile_edge + 2, Dim - 1)> columns{};
   };
   static constexpr int column_reach = 3, n_across = power(tile_edge, Dim - 1),
                        n_columns = power(tile_edge + 2, Dim - 1);
 
-  /// The node of a column in the tile's lowest layer, counted from the tile's first.
+  /// Node of a column in the lowest layer of the tile, relative to the first node of the tile.
   static Index<Dim> foot_of_column(int column) {
     Index<Dim> i = unflatten<Dim>(column, tile_edge + 2);
     for (int a = 0; a < Dim - 1; ++a) i[a] -= 1;
@@ -143,7 +144,7 @@ class ContactFinder {
     return std::all_of(&node[0], &node[0] + Dim, [](int i) { return i >= 0 && i < tile_edge; });
   }
 
-  /// What is known of ground that rests, tile by tile. Each tile's is found once, by the thread that has the tile.
+  /// Data of ground at rest for each tile, computed once by the thread of the tile.
   struct GroundTiles {
     std::map<Index<Dim>, std::unique_ptr<GroundTile>> at;
     std::vector<std::unique_ptr<GroundTile>*> of_tile;
@@ -180,7 +181,7 @@ class ContactFinder {
     return *ground;
   }
 
-  /// A terrain is met from above alone, so the normal of its nearest place is always the right one.
+  /// Material is always above a terrain, so the normal of the nearest place is right.
   template <class Counts>
   void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, const Mirrors<Dim>& walls, int t,
                       int number, Counts counts, std::vector<NodeContact>& found) {
@@ -198,11 +199,11 @@ class ContactFinder {
     }
   }
 
-  /// The area in plan [m2] that material covers around each column of a tile's nodes, over the mass of those that are
-  /// the ground's: there turbulent friction acts. Amid a flow that is a cell. At its edge nodes have mass farther out
-  /// than the flow reaches; were each to stand for a whole cell, a patch would be held as if it were two cells wider.
-  /// So a column stands for as much of a cell as it has of the mass of those around it: T_i/T, with their mean
-  /// T = sum T_j^2/sum T_j, to which those on the edge add little.
+  /// Area in plan [m2] of the material around each column of nodes, over the mass of its nodes in contact with the
+  /// ground, for turbulent friction. Inside a flow the area is that of a cell. At its edge nodes outside the flow have
+  /// mass too; with a whole cell for each, a patch would have the friction of one two cells wider. So the area of a
+  /// column is the share T_i/T of a cell, with the mass T_i of the column and the mean of those around it, T = sum
+  /// T_j^2/sum T_j, to which columns at the edge contribute little.
   std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
                                              const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
     std::array<double, n_columns> inside{}, mass{}, on_ground{};
@@ -239,10 +240,10 @@ class ContactFinder {
     }
     return area;
   }
-  /// Of a thicker flow so many layers above the ground say where it ends.
+  /// Number of layers above the ground that determine the edge of a thick flow.
   static constexpr int layers_above = 4;
 
-  /// How much of a column of nodes lies in the domain: half of it on a side that mirrors, nothing behind one.
+  /// Share of a column of nodes in the domain: one half on a mirror, zero behind it.
   static double share_inside(const Mirrors<Dim>& walls, const Index<Dim>& tile, const Index<Dim>& node) {
     double share = 1;
     for (int k = 0; k < walls.n; ++k) {
@@ -254,7 +255,7 @@ class ContactFinder {
     return share;
   }
 
-  /// The mass of a node of a tile or of one next to it, counted from the tile's first.
+  /// Mass of a node of a tile or of a neighbouring tile, relative to the first node of the tile.
   static double mass_beside(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, Index<Dim> node) {
     Index<Dim> offset{};
     for (int a = 0; a < Dim; ++a) {
@@ -265,16 +266,16 @@ class ContactFinder {
     return other < 0 ? 0.0 : mass_at(momentum, other, flatten<Dim>(node, tile_edge));
   }
 
-  /// In cells: what rounding may make of a place, and what is next to one.
+  /// In cells: tolerance of a position, and of neighbouring positions.
   static constexpr double rounding = 1e-6, nearby = 1e-3;
 
-  /// Cells in front of a solid within which a node still is the solid's. So the plane at which material stops lies half a
-  /// cell in front of the surface at most and half a cell behind it, as the grid happens to lie; where the surface is a
-  /// plane of nodes, it lies there as at a wall. A little less than a half, so that rounding does not decide for surfaces
-  /// midway between nodes.
+  /// Distance in front of a solid, in cells, within which a node is in contact with it. So the plane at which material
+  /// stops lies half a cell in front of the surface at most and half a cell behind it, depending on the position of the
+  /// grid; if the surface is a plane of nodes, it is there, as at a wall. Slightly less than a half, so that rounding
+  /// has no effect for surfaces midway between nodes.
   static constexpr double margin = 0.5 - rounding;
 
-  /// Where a node stands; or, all coordinates moved by the same number of nodes, a place beside the tile's first.
+  /// Position of a node, also of one outside the tile, relative to the first node of the tile.
   Vec<3> place_of(const Index<Dim>& node) const {
     Vec<3> x{};
     for (int a = 0; a < Dim; ++a) x[a] = domain_.origin[a] + domain_.h * node[a];
@@ -286,8 +287,8 @@ class ContactFinder {
     return x;
   }
 
-  /// The solid's normal where one leaves it towards the mass around a node. In a thin solid, at its edges, in its middle
-  /// and on its other side, the nearest place of the surface may be where there is no material.
+  /// Normal of the solid on the side of the mass around a node. In a thin solid, at its edges, in its middle and on its
+  /// other side, the nearest place of the surface may be on a side without material.
   Vec<3> normal_towards_material(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node,
                                  const Solid& solid, Vec<3> x, const Pose& pose) const {
     const Index<Dim> own = unflatten<Dim>(node, tile_edge);
@@ -298,9 +299,9 @@ class ContactFinder {
       if (!(std::sqrt(dot(towards, towards)) > 1e-3 * mass)) return nearest.normal;  // as much on either side
       return way_out(near, x, towards).value_or(nearest).normal;
     }
-    // On the surface or in front of it. Points behind the solid reach the node through what is thinner than their shapes
-    // are wide, and on an edge there are several normals; then the nodes outside tell where the material is, those of the
-    // solid being touched from all sides.
+    // On the surface or in front of it. If the solid is thinner than the shape functions are wide, points behind it
+    // reach the node too, and at an edge there are several normals. Then nodes outside the solid determine where the
+    // material is, because those inside are reached from all sides.
     constexpr int reach = 2;
     const bool on_edge = nearest.distance < rounding * domain_.h && !is_smooth(near, x, nearest.normal);
     const bool thin = near(x - (reach * domain_.h) * nearest.normal).distance >= 0;
@@ -332,8 +333,7 @@ class ContactFinder {
     return true;
   }
 
-  /// The sum of mass times way, in cells, over the nodes within `reach` cells along each axis that are asked for; and of
-  /// mass.
+  /// Sums of mass times distance [cells], and of mass, over selected nodes within `reach` cells along each axis.
   template <class Asked>
   std::pair<Vec<3>, double> mass_around(const Tile<Dim>* tiles, const MassMomentum* momentum, int t,
                                         const Index<Dim>& own, int reach, Asked asked) const {
@@ -360,14 +360,14 @@ class ContactFinder {
     return {towards, mass};
   }
 
-  /// Where one comes out of a solid when one goes from a place in some direction; nothing if one does not, or does not come
-  /// into it.
+  /// Exit point of a ray from a place in a direction through a solid; none if it does not enter or does not leave the
+  /// solid.
   template <class Near>
   std::optional<Nearness> way_out(Near near, Vec<3> x, const Vec<3>& towards) const {
     const double length = std::sqrt(dot(towards, towards));
     Nearness here = near(x);
     bool inside = here.distance < 0;
-    // Steps as long as the surface is far cannot pass it; the last ones go a hundredth of a cell at least.
+    // Steps of the length of the distance to the surface cannot pass it; they are at least a hundredth of a cell.
     for (int k = 0; k < 100; ++k) {
       x = x + (std::max(std::abs(here.distance), 0.01 * domain_.h) / length) * towards;
       here = near(x);
@@ -381,7 +381,7 @@ class ContactFinder {
   std::vector<Solid> solids_;
   AccountNumbers accounts_;
   double unit_weight_;
-  std::vector<GroundTiles> ground_;  ///< one a solid, of those that are ground
+  std::vector<GroundTiles> ground_;  ///< one for each solid that is ground
   bool any_ = false;
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-/// Runs that break: which particle, where, when, in what state.
+/// Failures of a run: particle, position, time and state.
 
 #include <fmt/format.h>
 
@@ -12,12 +12,12 @@
 
 namespace talus {
 
-/// A particle to be named, among those of all owners.
+/// The particle that a message names, among those of all owners.
 struct Culprit {
   long id = -1;
-  std::string text;  ///< everything about it
+  std::string text;  ///< its description
 
-  /// The first of those that owners have found.
+  /// The first one found, over all owners.
   static Culprit first_of(Backend& backend, const Culprit& own) {
     const std::string all = gather(backend, own.text.empty() ? "" : fmt::format("{}\n{}", own.id, own.text));
     if (all.empty()) return {};
@@ -26,7 +26,7 @@ struct Culprit {
   }
 };
 
-/// Throws a RunError that says everything about the first particle of which `is_bad` holds.
+/// Throws a RunError with the state of the first particle for which `is_bad` is true.
 template <int Dim, class Shape, class F>
 [[noreturn]] void stop(const Model<Dim, Shape>& m, const Ledger& ledger, const std::string& fault, F is_bad,
                        const std::string& advice = "") {
@@ -43,8 +43,8 @@ template <int Dim, class Shape, class F>
   throw RunError(fault);
 }
 
-/// Why the state of a run breaks in material too soft for any step: its own weight strains a cell by a tenth or more. The
-/// strain is rho g h/(rho c^2), of a cell of size h where waves travel at the speed c. Else empty.
+/// Explanation of a failure if the material is too soft: its weight strains a cell by a tenth or more. The strain is
+/// rho g h/(rho c^2), with the cell size h and the wave speed c. Otherwise empty.
 template <int Dim, class Shape>
 std::string softness(const Model<Dim, Shape>& m, double wave_speed) {
   const double acceleration = std::sqrt(dot(m.gravity, m.gravity));
@@ -101,7 +101,7 @@ template <int Dim, class Shape>
       reason_not_finite(m, wave_speed));
 }
 
-/// Names the particle that waves are fastest at, or the fastest one, whichever shortens the step more.
+/// Names the particle with the fastest waves, or the fastest particle, whichever limits the step more.
 template <int Dim, class Shape>
 [[noreturn]] void stop_at_short_step(const Model<Dim, Shape>& m, const Ledger& ledger, double dt, double wave_speed,
                                      double viscosity) {

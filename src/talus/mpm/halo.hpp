@@ -1,11 +1,11 @@
 #pragma once
-/// What an owner of tiles knows of those that others own, and how they exchange it.
+/// The halo: tiles of other owners around those of an owner, and their exchange.
 ///
 /// Every owner holds its own tiles and, as a halo, the tiles around them. Particles are only in its own. When particles
-/// have added to the windows of their tiles, windows of the halo come from their owners; whatever happens at nodes is then
-/// done by everybody who needs it, in the same order and so with the same bits. A node that a particle touches needs, at
-/// most, nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact, 2 to its image)
-/// and these the windows of tiles that reach 3 nodes farther: three tiles.
+/// have added to the windows of their tiles, owners exchange the windows of the halo. Each owner then computes all
+/// nodes that it needs, in the same order, so results are bit-identical. A node that a particle touches needs, at most,
+/// nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact, 2 to its image) and
+/// these the windows of tiles that reach 3 nodes farther: three tiles.
 
 #include <algorithm>
 #include <bit>
@@ -30,8 +30,8 @@ struct Halo {
   std::vector<std::vector<int>> sends, receives;  ///< occupied tiles to and from every owner, as held here
 };
 
-/// The owner of every tile of a run: occupied tiles in stretches of about equal work, each empty one by the first occupied
-/// tile around it. `work`: of each occupied tile.
+/// The owner of every tile of a run: occupied tiles in ranges of about equal work, each empty tile with the first
+/// occupied tile around it. `work`: of each occupied tile.
 template <int Dim>
 std::vector<int> owners_of(const std::vector<Tile<Dim>>& tiles, const std::vector<long>& work, int n_owners) {
   std::vector<int> owners(std::max(tiles.size(), work.size()), 0);
@@ -50,7 +50,7 @@ std::vector<int> owners_of(const std::vector<Tile<Dim>>& tiles, const std::vecto
   return owners;
 }
 
-/// Whether each tile of a run is within the reach of an owner's.
+/// Whether each tile of a run is in reach of the tiles of an owner.
 template <int Dim>
 std::vector<char> held_by(int owner, const std::vector<Tile<Dim>>& tiles, const std::vector<int>& owners) {
   std::vector<char> held(tiles.size());
@@ -73,7 +73,7 @@ std::vector<char> held_by(int owner, const std::vector<Tile<Dim>>& tiles, const 
   return held;
 }
 
-/// Leaves of the tiles of a run, the occupied ones first, those that the backend's owner holds. `cells`: of occupied tiles.
+/// Removes all tiles that this owner does not need; occupied tiles come first. `cells`: of occupied tiles.
 template <int Dim>
 Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells, const std::vector<int>& owners,
                const Backend& backend) {
@@ -117,7 +117,7 @@ Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells
   return halo;
 }
 
-/// Fetches the windows of the halo from their owners.
+/// Receives the windows of the halo from their owners.
 template <class Windows>
 void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
   if (backend.n_owners() == 1) return;
@@ -140,8 +140,8 @@ void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
                   numbers * sizeof(double));
 }
 
-/// Adds up the sums of tiles, which come by their numbers in the run: first those of a block of tiles, then the blocks. So an
-/// owner of a whole block hands out one sum.
+/// Adds the sums of tiles in the order of the run, first within blocks of tiles, then over blocks, so that the owner of
+/// a whole block sends one sum.
 class SumOfBlocks {
  public:
   static constexpr long n_tiles = 64;
@@ -150,7 +150,7 @@ class SumOfBlocks {
     begin_block_of(tile);
     block_.add(sums);
   }
-  /// The sum of all of a block, of which `tile` is the first.
+  /// Sum of a block whose first tile is `tile`.
   void add_block(long tile, const TileSums& sums) {
     begin_block_of(tile);
     block_ = sums;
@@ -172,18 +172,18 @@ class SumOfBlocks {
   long number_ = -1;
 };
 
-/// Sums as a row of numbers: the tile, which of them are not zero, as bits, and these. Most sums of a stage are zero, which
-/// adds nothing.
+/// Sums as a row of numbers: the tile, which of them are not zero, as bits, and these. Most sums of a stage are zero,
+/// which adds nothing.
 struct RowOfSums {
   static constexpr std::size_t n = sizeof(TileSums) / sizeof(double);
-  static constexpr std::uint64_t of_block = std::uint64_t(1) << n;  ///< the bit of the sum of a block
+  static constexpr std::uint64_t of_block = std::uint64_t(1) << n;  ///< flag of the sum of a block
   static_assert(n < 52, "a double holds so many bits");
 
   static void append(Message& message, long tile, const TileSums& sums, bool is_of_block) {
     double numbers[n];
     std::memcpy(numbers, &sums, sizeof sums);
     std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < n; ++i) bits |= std::uint64_t(numbers[i] != 0) << i;  // of NaN as well
+    for (std::size_t i = 0; i < n; ++i) bits |= std::uint64_t(numbers[i] != 0) << i;  // also for NaN
     if (bits == 0) return;
     message.insert(message.end(), {double(tile), double(is_of_block ? bits | of_block : bits)});
     for (const double number : numbers)
@@ -220,7 +220,7 @@ TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, cons
       ++t;
       continue;
     }
-    // A whole block lies one after the other here as well.
+    // The tiles of a whole block are consecutive here as well.
     const long first = halo.number[t], n = std::min(SumOfBlocks::n_tiles, halo.n_tiles - first);
     bool is_whole = first % SumOfBlocks::n_tiles == 0 && t + std::size_t(n) <= parts.size();
     for (std::size_t k = 0; k < std::size_t(n) && is_whole; ++k)

@@ -58,13 +58,15 @@ void Ledger::add_particle_velocities(const TileSums& nodes, double step_length) 
 }
 
 void Ledger::add_motion(const TileSums& particles, double step_length) {
-  // Particles go their way with the velocity at the end of the step: what that gives up more than gravity's work.
+  // Potential energy that particles lose beyond the work of gravity, because they move with the velocity at the end of
+  // the step.
   numerical += potential;
   set_particles(particles);
   wall_impulse = wall_impulse + step_length * particles.vector(Sum::wall_impulse);
   numerical -= kinetic + potential;
   load_work += step_length * particles[Sum::load_power];
-  numerical += step_length * particles[Sum::load_power];  // in place of what nodes have gained by it, which is kinetic
+  numerical +=
+      step_length * particles[Sum::load_power];  // replaces the work of loads at the nodes, which is kinetic energy
 }
 
 void Ledger::add_shift(const TileSums& particles) {

@@ -54,29 +54,29 @@ struct Ledger {
   Vec<3> momentum{};  ///< [kg m/s]
   double kinetic = 0;
   double potential = 0;
-  double elastic = 0;      ///< stored in the material, as its state says
-  double plastic = 0;      ///< work that laws have not stored since the start: heat of friction (see Response)
+  double elastic = 0;      ///< elastic energy of the material
+  double plastic = 0;      ///< work since the start that laws have not stored: frictional heat (see Response)
   double collisional = 0;  ///< work done against collisional stress since the start
-  /// Work that collisions have returned to shear since the start, counted where they did; `collisional` is net of it.
+  /// Work that collisions have returned to shear since the start, summed over particles; `collisional` includes it with
+  /// negative sign.
   double returned = 0;
-  double averaging = 0;  ///< lost since the start where elastic compression was averaged over cells
+  double averaging = 0;  ///< elastic energy lost since the start by averaging over cells
   double viscous = 0;    ///< heat of the bulk viscosity since the start
-  /// Lost since the start between particles and grid: kinetic energy that one does not see of the other, work of the
-  /// stress on motion that the nodes make and the particles do not, and what shifting particles has lowered them.
+  /// Energy lost since the start between particles and grid: differences of kinetic energy, differences of the work of
+  /// the stress on nodes and on particles, and the potential energy change by particle shifting.
   double numerical = 0;
   double wall_friction = 0;  ///< heat of friction on walls and solids since the start
-  /// Work that the material has done on moving solids since the start; negative where they pushed it. Walls at rest do
-  /// none.
+  /// Work of the material on moving solids since the start; negative if they push it. Zero for walls at rest.
   double wall_work = 0;
-  Vec<3> wall_impulse{};       ///< what walls and solids have given to the material since the start [N s]
-  Vec<3> gravity_impulse{};    ///< what gravity has given to it [N s]
+  Vec<3> wall_impulse{};       ///< impulse of walls and solids on the material since the start [N s]
+  Vec<3> gravity_impulse{};    ///< impulse of gravity [N s]
   double load_work = 0;        ///< of loads on sides of bodies since the start
-  Vec<3> load_impulse{};       ///< what they have given to the material [N s]
-  Outflow outflow;             ///< through sides that let out
+  Vec<3> load_impulse{};       ///< impulse of loads [N s]
+  Outflow outflow;             ///< through `outflow` sides
   double initial = 0;          ///< kinetic, potential and elastic energy at the start
   double initial_elastic = 0;  ///< the elastic part of it
-  /// The most that kinetic and potential energy together have ever changed, kinetic energy ever been, what has left with
-  /// both, or moving solids or loads ever given or taken: what losses and errors are measured by.
+  /// Largest of: change of kinetic plus potential energy so far, kinetic energy, energy that has left, work of moving
+  /// solids or of loads. Losses and errors are given as shares of it.
   double turnover = 0;
   double max_speed = 0;    ///< [m/s]
   long n_separated = 0;    ///< particles whose grains have moved apart
@@ -84,49 +84,49 @@ struct Ledger {
   long n_merged = 0;       ///< particles that have been merged into others since the start
   long n_unconverged = 0;  ///< stress updates that did not converge, since the start
 
-  /// What the ledger misses [J]: every term is measured on its own, so this is 0 only if the run accounts for every
-  /// joule.
+  /// Balance error [J]. Every term is computed independently, so it is 0 only if the balance is complete.
   double error() const {
     return kinetic + potential + elastic + plastic + collisional + averaging + viscous + numerical + wall_friction +
            wall_work + outflow.kinetic + outflow.potential + outflow.elastic - load_work - initial;
   }
 
-  /// What the method took and no law did [J].
+  /// Energy lost by the method and not by a law [J].
   double method() const { return averaging + viscous + numerical; }
 
-  // ---- what the stages of a step cost, in their order (mpm/step.hpp)
+  // ---- terms of the stages of a step, in their order (mpm/step.hpp)
 
   /// At the start of a run.
   void start(const TileSums& particles, double elastic_energy);
   /// At the start of a step.
   void add_gravity(const Vec<3>& gravity, double step_length);
-  /// Velocities of particles were filtered; `contacts`: what held their fits on surfaces.
+  /// After filtering of velocities; `contacts`: impulses of surfaces on the fits.
   void add_filter(const TileSums& contacts, const TileSums& particles);
-  /// Nodes have the particles' momentum, and what walls and contacts allow of it.
+  /// After the transfer of momentum to nodes, with walls and contacts.
   void add_velocities(const TileSums& nodes);
-  /// Stresses were updated; particles feel the share `felt` of what walls have changed of the nodes' velocities.
+  /// After the stress update; particles get the share `felt` of the velocity change of nodes due to walls.
   void add_stresses(const TileSums& tiles, double step_length, double felt);
-  /// Forces of stresses as they are (musl).
+  /// After the forces of the present stress (musl).
   void add_forces(const TileSums& tiles, double step_length, double felt);
-  /// Nodes were accelerated, and contacts have acted.
+  /// After the acceleration of nodes, with contacts.
   void add_accelerations(const TileSums& nodes);
-  /// Particles have new velocities (musl).
+  /// After the update of particle velocities (musl).
   void add_particle_velocities(const TileSums& nodes, double step_length);
-  /// Particles have moved.
+  /// After the motion of particles.
   void add_motion(const TileSums& particles, double step_length);
-  /// Particles were moved apart: what that lifts comes from nowhere.
+  /// After particle shifting, which changes potential energy without work.
   void add_shift(const TileSums& particles);
-  /// So many particles were split, and so many went into others.
+  /// After splitting and merging of these numbers of particles.
   void add_refinement(long split, long merged, const TileSums& particles);
-  /// Particles have left.
+  /// After the outflow of particles.
   void add_outflow(const Outflow& out);
-  /// Particles that came round along a periodic axis have been lifted by a period: it was there to be released too.
+  /// After particles have crossed a periodic side along gravity: the potential energy of the period is added to the
+  /// initial energy.
   void add_periods(const TileSums& particles);
   /// At the end of a step.
   void end_step(double step_length);
 
  private:
-  /// Mass, momentum and energy of the particles as they are.
+  /// Sets the present mass, momentum and energy of the particles.
   void set_particles(const TileSums& particles);
 };
 

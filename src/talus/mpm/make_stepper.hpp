@@ -9,7 +9,7 @@
 
 namespace talus {
 
-/// Lets bodies rest on a grid, beside rigid solids; `shapes` are theirs, one a body.
+/// Makes a stepper of bodies at rest, with a grid and rigid solids; `shapes`: one for each body.
 template <int Dim, class Shape>
 std::unique_ptr<Simulation> make_stepper(const Domain<Dim>& domain, std::vector<Body<Dim>> bodies,
                                          std::vector<Shape> shapes, const Vec<Dim>& gravity, const Numerics& numerics,

@@ -1,5 +1,5 @@
 #pragma once
-/// Particles that change their owner.
+/// Migration of particles between owners.
 
 #include <algorithm>
 #include <vector>
@@ -9,7 +9,7 @@
 
 namespace talus {
 
-/// The tiles that particles of all owners lie in.
+/// Tiles with particles, of all owners.
 template <int Dim>
 OccupiedTiles<Dim> gather(Backend& backend, const OccupiedTiles<Dim>& own) {
   Message mine;
@@ -28,8 +28,8 @@ OccupiedTiles<Dim> gather(Backend& backend, const OccupiedTiles<Dim>& own) {
   return all;
 }
 
-/// Sends particles to the owners of the tiles they lie in. Owners have tiles one after the other, so what arrives, owner by
-/// owner, is in the order that one owner would have had.
+/// Sends particles to the owners of their tiles. Owners have consecutive tiles, so particles arrive in the order of a
+/// single owner.
 template <int Dim, class Bodies>
 void move_to_owners(Backend& backend, Bodies& bodies, const Domain<Dim>& domain, const OccupiedTiles<Dim>& occupied,
                     const std::vector<int>& owners) {

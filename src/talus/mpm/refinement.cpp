@@ -10,12 +10,12 @@ namespace talus {
 
 namespace {
 
-/// The longest edge of what a particle stands for, and its direction.
+/// The longest edge of the box of a particle, and its direction.
 struct LongestEdge {
   double squared;  ///< [m2]
   Vec<3> direction;
 };
-/// By squaring the matrix until its longest direction is all that is left of it.
+/// By squaring the matrix repeatedly, until its largest direction dominates.
 template <int Dim>
 LongestEdge longest_edge(const SymTensor<double>& S) {
   SymTensor<double> power = S;
@@ -36,12 +36,12 @@ LongestEdge longest_edge(const SymTensor<double>& S) {
   return {dot(e, Se), e};
 }
 
-/// S without a part of its square along a direction.
+/// S with its square along a direction reduced by a part.
 SymTensor<double> shortened(const SymTensor<double>& S, const Vec<3>& e, double by) {
   return S - by * SymTensor<double>{e[0] * e[0], e[1] * e[1], e[2] * e[2], e[0] * e[1], e[1] * e[2], e[2] * e[0]};
 }
 
-/// Whether particles stand in a cell, counted from the first of tile t; as far as the tiles around it reach.
+/// Whether a cell contains particles, numbered from the first cell of tile t, as far as the neighbouring tiles reach.
 template <int Dim>
 bool is_occupied(const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts, Index<Dim> cell) {
   Index<Dim> offset;
@@ -54,8 +54,7 @@ bool is_occupied(const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts, I
   return other >= 0 && tiles[other].occupied && counts.of(other)[flatten<Dim>(cell, tile_edge)] > 0;
 }
 
-/// What is on the way from a place, in cells from the origin, along a direction as far as `reach`; beside walls that it
-/// would lead through.
+/// Cells along a ray from a place, in cells from the origin, as far as `reach`, without passing walls.
 struct Way {
   bool meets_particles = false;  ///< in another cell
   bool leads_over_gap = false;   ///< empty cells, over a cell's length or more, are followed by one that is not
@@ -85,7 +84,7 @@ Way look_along(const Domain<Dim>& domain, const Tile<Dim>* tiles, int t, const C
   return way;
 }
 
-/// The cell of a particle in its tile; beside the tile its nearest.
+/// The cell of a particle in its tile, or the nearest one.
 template <int Dim>
 int cell_in_tile(const Particles<Dim>& p, int i, const Domain<Dim>& domain, const TilePlace<Dim>& tile) {
   Index<Dim> cell;
@@ -108,7 +107,7 @@ Vec<3> velocity_of_particle(const Particles<Dim>& p, int i) {
   return v;
 }
 
-/// What is added up when two become one.
+/// Fields that are added in merging.
 constexpr ParticleField extensive[] = {ParticleField::mass, ParticleField::reference_volume, ParticleField::loaded_area,
                                        ParticleField::wave_modulus};
 
@@ -229,7 +228,7 @@ std::vector<Merger> find_mergers(const Body<Dim>& body, TileParticles range, con
         const Merger pair{in_cell[a], in_cell[b]};
         const double share = p.mass()[pair.first] / (p.mass()[pair.first] + p.mass()[pair.second]);
         const SymTensor<double> S = joined_extent(p, pair, share);
-        if (S.xx + S.yy + S.zz >= domain.h * domain.h) continue;  // it would soon have to be split
+        if (S.xx + S.yy + S.zz >= domain.h * domain.h) continue;  // it would have to be split soon
         least = u;
         best = b;
       }
@@ -288,7 +287,7 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
           mean(ParticleField::velocity, share);
           set_extent(p, i, S);
           if (p.mass()[j] > p.mass()[i]) p.ancestor()[i] = p.ancestor()[j];
-          // With the weights of the reference volumes the volume stays; compression is averaged as it is over cells.
+          // Weights of the reference volumes conserve the volume; compression is averaged as over cells.
           double x_mean = 0;
           if constexpr (AveragesCompression<Law>) {
             const double V[2] = {volume(i), volume(j)};

@@ -1,13 +1,14 @@
 #pragma once
-/// Particles that stand for stretched material are split; alike ones in crowded cells are merged.
+/// Splitting of stretched particles, and merging of similar ones in crowded cells.
 ///
-/// A particle remembers the material it stands for as the squared edges S of a box, which goes with the flow: S+ = F S F^T.
-/// Where the longest edge L exceeds a cell, and along it, on one side, empty cells are followed by particles, on the other
-/// side are particles too, connected material has lost its particles: the particle becomes two with half of everything, L/4 to both sides
-/// along that edge, and L becomes L/2. So mass, volume, energy, momentum and the centre stay, and second moments too. Flow
-/// that shears on and on stretches S as well, but its particles mix: no cell is empty, and nothing is split.
+/// A particle has the squared edges S of the box of its material, which deforms with the flow: S+ = F S F^T. If the
+/// longest edge L exceeds a cell, and along it on one side empty cells are followed by particles, and on the other side
+/// there are particles too, connected material lacks particles: the particle becomes two with half of everything, L/4
+/// to both sides along that edge, and L becomes L/2. Mass, volume, energy, momentum, centre and second moments are
+/// conserved. Continued shear stretches S as well, but its particles mix: no cell is empty, and nothing is split.
 ///
-/// What one particle becomes depends on the particles of cells around it only, so bits do not depend on threads or owners.
+/// The result for a particle depends only on the particles of cells around it, so it does not depend on threads or
+/// owners.
 
 #include <functional>
 #include <vector>
@@ -17,11 +18,11 @@
 
 namespace talus {
 
-/// How many particles stand in each cell of the occupied tiles; those beside their tile count as in its nearest cell.
+/// Number of particles in each cell of the occupied tiles; those outside their tile belong to its nearest cell.
 template <int Dim>
 using CellCounts = TileArray<double, power(tile_edge, Dim)>;
 
-/// A particle to be split: itself goes to x + offset, a new one to x - offset.
+/// A particle to be split: it moves to x + offset, a new one to x - offset.
 struct Split {
   int particle;
   Vec<3> offset;        ///< [m]
@@ -37,8 +38,8 @@ template <int Dim>
 void add_counts(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain, const Tile<Dim>& tile,
                 double* counts);
 
-/// How many particles of a body a cell may hold before alike ones are merged: four times what fills it at the start, and at
-/// least four along each axis.
+/// How many particles of a body a cell may hold before alike ones are merged: four times what fills it at the start,
+/// and at least four along each axis.
 template <int Dim>
 double most_in_cell_of(double spacing, double h);
 
@@ -48,8 +49,8 @@ SymTensor<double> extent_of(const Particles<Dim>& p, int i);
 template <int Dim>
 void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S);
 
-/// Material that moved with the velocity gradient L [1/s] for a time [s]. What is longer than `longest` [m] has long been
-/// mixed with other material: it keeps its shape only.
+/// S after motion with the velocity gradient L [1/s] for a time [s]. A box longer than `longest` [m] is scaled down to
+/// it: its material is mixed with other material.
 SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest);
 
 /// Particles of a body in a tile that have to be split. `along(x, offset)` returns what solids and walls leave of an
@@ -67,7 +68,7 @@ std::vector<Merger> find_mergers(const Body<Dim>& body, TileParticles range, con
 /// Gives the particles that are split half of what they had, and their new places.
 template <int Dim>
 void apply_splits(Body<Dim>& body, const std::vector<Split>& splits);
-/// Puts the second of each pair into the first. Returns the elastic energy that this takes [J].
+/// Merges the second of each pair into the first. Returns the elastic energy lost [J].
 template <int Dim>
 double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers);
 

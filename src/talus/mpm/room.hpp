@@ -1,5 +1,5 @@
 #pragma once
-/// How much room there is around nodes.
+/// Volume available around nodes.
 
 #include <algorithm>
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace talus {
 
-/// How much room there is around a node: the integral of its shape function over the domain [m3], in plane strain a metre
-/// deep, axisymmetric per radian. What lies behind walls is folded back as volumes of particles are.
+/// Volume around a node: the integral of its shape function over the domain [m3], in plane strain for one metre of
+/// thickness, axisymmetric per radian. The part behind walls is mirrored, like volumes of particles.
 template <int Dim, class Shape>
 class NodeRooms {
  public:

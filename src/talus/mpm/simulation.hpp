@@ -23,11 +23,11 @@ struct Field {
   std::vector<double> values;  ///< component by component for particle 0, then for particle 1, ...
 };
 
-/// Everything that can be seen at an instant of the particles that are there, in the order of their ids.
+/// All quantities of the present particles at an instant, in the order of their ids.
 struct Observation {
   double time = 0;
   long step = 0;
-  std::vector<Field> fields;  ///< `position` [m] first, then velocity, then what the laws tell
+  std::vector<Field> fields;  ///< `position` [m] first, then velocity, then the quantities of the laws
 
   int n_particles() const { return int(fields.at(0).values.size()) / 3; }
   const Field* find(std::string_view name) const {
@@ -37,22 +37,21 @@ struct Observation {
   }
 };
 
-/// Where the particles that are there stand and how large they are, in the order of their ids: all that an outline needs.
+/// Positions and sizes of the present particles, in the order of their ids, for outlines.
 struct ParticlePlaces {
   std::vector<Vec<3>> places;   ///< [m]
   std::vector<double> sizes;    ///< edge of a square or cube of the particle's present volume [m]
   std::vector<double> masses;   ///< [kg]
-  std::vector<long> ancestors;  ///< ids of the particles of the start that they were split from, or their own
+  std::vector<long> ancestors;  ///< ids of the initial particles from which they were split, or their own
 };
 
-/// How the particles that are there flow, in the order of their ids: all that maps need.
+/// Motion of the present particles, in the order of their ids, for maps.
 struct FlowPoints {
   std::vector<Vec<3>> places, velocities;  ///< [m], [m/s]
   std::vector<double> volumes, masses;     ///< [m3], [kg]
 };
 
-/// Pressure in a tile of the grid, four cells along each axis, of all material but that whose particles keep their
-/// neighbours.
+/// Pressure in a tile of the grid (four cells along each axis), of all materials that may flow.
 struct TilePressure {
   Index<3> tile;    ///< its place, in tiles from the grid's origin
   double volume;    ///< of the particles in it [m3]
@@ -61,35 +60,36 @@ struct TilePressure {
   double speed;     ///< root of their mean squared speed [m/s]
 };
 
-/// What one owner of a run holds.
+/// Share of one owner of a run.
 struct Share {
   long n_particles = 0, n_tiles = 0;
   long n_neighbours = 0;  ///< owners with which it exchanges windows of tiles
 };
 
-/// Writes, or reads, one array of what decides how a run goes on, by its name.
+/// Writes or reads an array of the checkpointed state by its name.
 using WriteArray = std::function<void(const std::string& name, std::span<const double> values)>;
 using ReadArray = std::function<std::vector<double>(const std::string& name)>;
 
-/// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius [m].
+/// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius
+/// [m].
 inline double size_of_particle(double volume, double radius, int dim) { return std::pow(volume / radius, 1.0 / dim); }
 
 class Simulation {
  public:
   virtual ~Simulation() = default;
-  /// Advances by one stable step. Throws RunError when the run breaks; the state is then that at the break.
+  /// Advances by one stable step. Throws RunError if the run fails; the state is then that at the failure.
   virtual void step() = 0;
   virtual const Ledger& ledger() const = 0;
   /// Of the steps made so far.
   virtual const StepTally& tally() const = 0;
-  /// What each surface has given since the start, by the numbers of `AccountNumbers`. Their impulses add up to
+  /// Accounts of each surface since the start, by the numbers of `AccountNumbers`. Their impulses add up to
   /// `Ledger::wall_impulse`, their friction to `Ledger::wall_friction`.
   virtual const std::vector<SurfaceAccount>& surfaces() const = 0;
   /// After a RunError strain rates, and what follows from them, are zero.
   virtual Observation observe() = 0;
   virtual ParticlePlaces places() const = 0;
   virtual FlowPoints flow() const = 0;
-  /// Of all tiles that hold such material, in the order of their places.
+  /// Of all tiles with such material, in the order of their positions.
   virtual std::vector<TilePressure> pressures() const = 0;
   /// Everything about one particle, a line a quantity.
   virtual std::string describe(long particle) const = 0;
@@ -101,14 +101,14 @@ class Simulation {
   /// The step that step() would take now [s].
   virtual double next_dt() const = 0;
 
-  /// Hands out everything that decides the bits of the steps to come. Not after a RunError.
+  /// Writes all state that determines the following steps. Not after a RunError.
   virtual void save(const WriteArray& write) const = 0;
-  /// Puts a run of the same case where `save` found it, whatever the number of threads was. Throws std::runtime_error
-  /// if the numbers are of another run.
+  /// Restores the state written by `save` for the same case, with any number of threads. Throws std::runtime_error if
+  /// it is of another run.
   virtual void restore(const ReadArray& read) = 0;
 };
 
-/// Fills the bodies of a case with particles and lets them rest on a grid.
+/// Makes a simulation: fills the bodies of a case with particles at rest and sets up the grid.
 std::unique_ptr<Simulation> make_simulation(const Case& case_, Backend& backend);
 
 }  // namespace talus

@@ -1,5 +1,5 @@
 #pragma once
-/// What each surface has given to the material: every solid, every side of the domain, every zone of a terrain.
+/// Impulses of surfaces on the material: solids, sides of the domain and zones of a terrain.
 
 #include <vector>
 
@@ -7,13 +7,13 @@
 
 namespace talus {
 
-/// Of one surface. In plane strain per metre of thickness, axisymmetric per radian.
+/// Account of one surface. In plane strain per metre of thickness, axisymmetric per radian.
 struct SurfaceAccount {
-  Vec<3> impulse{};      ///< given to the material [N s]
+  Vec<3> impulse{};      ///< on the material [N s]
   Vec<3> across{};       ///< the part of it along the normals of the surface [N s]
   Vec<3> moment{};       ///< of the impulses of a solid about the origin of coordinates [N m s]
   double friction = 0;   ///< heat of friction [J]
-  double turbulent = 0;  ///< the part of it that turbulent friction has made [J]
+  double turbulent = 0;  ///< its part due to turbulent friction [J]
 
   void add_impulse(const Vec<3>& given, const Vec<3>& normal, const Vec<3>& place) {
     impulse = impulse + given;
@@ -31,8 +31,8 @@ struct SurfaceAccount {
   bool operator==(const SurfaceAccount&) const = default;
 };
 
-/// Numbers of the accounts of a run: solids in their order, then the sides of the domain, then the zones of solids. A
-/// zone has an account of its own, which that of its solid does not contain.
+/// Numbers of the accounts of a run: solids in their order, then the sides of the domain, then the zones of solids. The
+/// account of a solid excludes its zones.
 class AccountNumbers {
  public:
   AccountNumbers(const std::vector<Solid>& solids, int dim) : n_solids_(int(solids.size())), n_sides_(2 * dim) {
@@ -47,7 +47,7 @@ class AccountNumbers {
   int size() const { return size_; }
   int of_solid(int solid) const { return solid; }
   int of_side(int side) const { return n_solids_ + side; }
-  /// Of a zone of a solid; of the solid outside its zones, -1.
+  /// Number of the account of a zone of a solid; zone -1: the solid outside its zones.
   int of_zone(int solid, int zone) const { return zone < 0 ? solid : first_zone_[std::size_t(solid)] + zone; }
 
  private:
@@ -55,13 +55,13 @@ class AccountNumbers {
   std::vector<int> first_zone_;
 };
 
-/// What a surface has given to the material in a tile, in one step.
+/// Account of a surface in a tile, of one step.
 struct TileAccount {
   int number;
   SurfaceAccount sums{};
 };
 
-/// The accounts that surfaces have in a tile; few meet one.
+/// Accounts of the surfaces in a tile; a tile has few of them.
 class TileAccounts {
  public:
   SurfaceAccount& operator[](int number) {

@@ -1,5 +1,5 @@
 #pragma once
-/// What the tiles add up in a stage of the step.
+/// Sums over tiles in a stage of the step.
 
 #include <algorithm>
 #include <array>
@@ -8,35 +8,35 @@
 
 namespace talus {
 
-/// The one list of numbers that are added over tiles. Energies and work in J.
+/// List of all sums over tiles. Energies and work in J.
 enum class Sum {
-  mass,                    ///< of the particles [kg]
-  momentum,                ///< of the particles [kg m/s], three numbers
-  kinetic = momentum + 3,  ///< of the particles
-  potential,               ///< of the particles
-  elastic,                 ///< of the particles
-  averaging,               ///< elastic energy lost in this step when compression was averaged
-  internal_work,           ///< of the stress on the particles' strain in this step
-  plastic_work,            ///< the part of it turned into heat by friction
-  collisional_work,        ///< the part of it done against collisional stress
-  returned_work,           ///< what shear got back from collisions in this step, counted where it did
-  viscous_work,            ///< of the bulk viscosity's pressure, on the same strain
-  grid_work,               ///< of the same stress on the motion of the nodes in this step
-  gravity_work,            ///< on the motion of the nodes in this step
-  held_kinetic,            ///< of the nodes before the step
-  new_kinetic,             ///< of the nodes after the step
-  wall_impulse,            ///< what nodes gained from walls and solids [kg m/s], or of it a second [N]; three numbers
-  wall_work = wall_impulse + 3,  ///< that moving solids did in this step
-  wall_friction,                 ///< that became heat at walls and solids
+  mass,                          ///< of the particles [kg]
+  momentum,                      ///< of the particles [kg m/s], three numbers
+  kinetic = momentum + 3,        ///< of the particles
+  potential,                     ///< of the particles
+  elastic,                       ///< of the particles
+  averaging,                     ///< elastic energy lost in this step by averaging of compression
+  internal_work,                 ///< of the stress on the particles' strain in this step
+  plastic_work,                  ///< the part of it turned into heat by friction
+  collisional_work,              ///< the part of it done against collisional stress
+  returned_work,                 ///< work that collisions returned to shear in this step, summed over particles
+  viscous_work,                  ///< of the bulk viscosity's pressure, on the same strain
+  grid_work,                     ///< of the same stress on the motion of the nodes in this step
+  gravity_work,                  ///< on the motion of the nodes in this step
+  held_kinetic,                  ///< of the nodes before the step
+  new_kinetic,                   ///< of the nodes after the step
+  wall_impulse,                  ///< impulse of walls and solids on nodes [kg m/s], or force [N]; three numbers
+  wall_work = wall_impulse + 3,  ///< work on moving solids in this step
+  wall_friction,                 ///< frictional heat at walls and solids
   load_power,                    ///< of loads on sides of bodies [W]
   load_force,                    ///< of these loads [N], three numbers
   separated = load_force + 3,    ///< number of particles whose grains have moved apart
   unconverged,                   ///< number of particles whose stress update did not converge
-  faulty,                        ///< number of findings that a particle is not finite or has left the domain
+  faulty,                        ///< number of particles that are not finite or have left the domain
   count
 };
 
-/// The one list of numbers of which the largest counts.
+/// List of all maxima over tiles.
 enum class Most {
   wave_speed2,      ///< squared speed of compression waves at a node [m2/s2]
   viscosity,        ///< kinematic viscosity [m2/s]
@@ -65,7 +65,7 @@ struct TileSums {
     double& largest = most[std::size_t(m)];
     largest = largest < x ? x : largest;
   }
-  /// Adds what another tile has.
+  /// Adds the sums of another tile.
   TALUS_HD void add(const TileSums& other) {
     for (std::size_t i = 0; i < sums.size(); ++i) sums[i] += other.sums[i];
     for (std::size_t i = 0; i < most.size(); ++i) raise(Most(i), other.most[i]);

@@ -1,5 +1,5 @@
 #pragma once
-/// How long the next step may be, and what bounded those that were made.
+/// Length of the next step, and statistics of the bounds of past steps.
 
 #include <algorithm>
 #include <array>
@@ -11,24 +11,25 @@
 
 namespace talus {
 
-/// What bounds a step.
+/// Quantities that limit the time step.
 struct StepBounds {
   double h;             ///< cell size [m]
-  double cfl;           ///< share of the cell that information may cross in a step
+  double cfl;           ///< Courant number: share of the cell that information may cross in a step
   double wave_speed;    ///< of the fastest compression wave [m/s]
   double speed;         ///< of the fastest particle [m/s]
   double viscosity;     ///< largest kinematic viscosity [m2/s]
-  double acceleration;  ///< that acts from outside, gravity [m/s2]
+  double acceleration;  ///< of gravity and loads [m/s2]
   double last_step = std::numeric_limits<double>::infinity();  ///< [s]
-  /// Of bodies without stiffness where they carry no stress: how their squared wave speed grows from there [m2/s2].
+  /// For bodies whose stiffness vanishes with the stress: increase of their squared wave speed under compression
+  /// [m2/s2].
   std::span<const Stiffening> contacts = {};
 
-  /// At which information crosses the grid [m/s]. 1.3: particles move with the nodes' velocity, which the step may
-  /// still change.
+  /// Speed of information on the grid [m/s]. Factor 1.3: particles move with the velocity of nodes, which changes
+  /// within the step.
   double signal_speed() const { return wave_speed + 1.3 * speed; }
 };
 
-/// The bound that a step stopped at.
+/// The bound that determined a step.
 enum class Bound { waves_and_motion, viscosity, gravity, contact, growth, fixed };
 inline constexpr Choice bound_names[] = {
     {"waves_and_motion", "waves and particles travel at most the share `cfl` of a cell"},
@@ -41,11 +42,11 @@ inline constexpr Choice bound_names[] = {
 inline constexpr int n_bounds = std::size(bound_names);
 
 struct BoundedStep {
-  double dt;  ///< [s]; infinite if nothing bounds it
+  double dt;  ///< [s]; infinite if there is no bound
   Bound bound;
 };
 
-/// The longest step within all bounds, and the one that holds it.
+/// The longest step within all bounds, and the bound that determines it.
 inline BoundedStep stable_step(const StepBounds& b) {
   BoundedStep step{std::numeric_limits<double>::infinity(), Bound::waves_and_motion};
   const auto at_most = [&](double dt, Bound bound) {
@@ -54,10 +55,10 @@ inline BoundedStep stable_step(const StepBounds& b) {
   if (b.signal_speed() > 0) at_most(b.cfl * b.h / b.signal_speed(), Bound::waves_and_motion);
   if (b.viscosity > 0) at_most(b.cfl * b.h * b.h / (2 * b.viscosity), Bound::viscosity);
   if (b.acceleration > 0) at_most(b.cfl * std::sqrt(b.h / b.acceleration), Bound::gravity);
-  // Grains that carry nothing send no wave ahead of the step in which they meet. Bodies that close at speed v come in
-  // reach of each other's nodes by v dt/h of a cell and, spline weights beginning with slope 0, strain at v/h times
-  // that; material that lies on something is strained by its weight at g dt/h. So strain = max(v^2/h^2, g/h) dt^2, and
-  // the waves it makes possible shall not cross more than their share of a cell: c(strain) dt < cfl h.
+  // Material without stress has no wave speed before the step in which it is compressed. Bodies that approach at the
+  // speed v overlap by v dt/h of a cell and strain at v/h times that, because spline weights start with slope 0;
+  // material at rest is strained by its weight at g dt/h. So strain = max(v^2/h^2, g/h) dt^2, and waves at the
+  // resulting speed may cross only their share of a cell: c(strain) dt < cfl h.
   const double closing2 = std::max(b.speed * b.speed / (b.h * b.h), b.acceleration / b.h);
   for (const Stiffening& c2 : b.contacts)
     if (closing2 > 0)
@@ -67,11 +68,11 @@ inline BoundedStep stable_step(const StepBounds& b) {
   return step;
 }
 
-/// How long the steps of a run were, and what bounded them.
+/// Statistics of the time steps of a run.
 struct StepTally {
-  std::array<long, n_bounds> held{};                                                ///< steps that each bound held
+  std::array<long, n_bounds> held{};  ///< number of steps determined by each bound
   double shortest = std::numeric_limits<double>::infinity(), longest = 0, sum = 0;  ///< of the steps [s]
-  /// Of the steps that waves and motion held: sums of the speeds [m/s], and of the part that waves have of their sum.
+  /// For steps limited by waves and motion: sums of the speeds [m/s], and of the share of waves in them.
   double wave_speed = 0, speed = 0, wave_share = 0;
 
   void add(const BoundedStep& step, const StepBounds& b) {
@@ -91,9 +92,9 @@ struct StepTally {
     return all;
   }
   double mean() const { return sum / double(std::max(1L, n())); }
-  /// Share of all steps that a bound held.
+  /// Share of all steps determined by a bound.
   double share(Bound bound) const { return double(held[int(bound)]) / double(std::max(1L, n())); }
-  /// The mean of something that was summed over the steps which waves and motion held.
+  /// Mean of a sum over the steps limited by waves and motion.
   double mean_of(double sum_over_steps) const {
     return sum_over_steps / double(std::max(1L, held[int(Bound::waves_and_motion)]));
   }

@@ -1,5 +1,5 @@
 #pragma once
-/// The walls of a domain on the tiles of a grid. What they do to the nodes of one tile is in kernel/wall.hpp.
+/// Walls of the domain, for all tiles of the grid. Kernels for the nodes of a tile are in kernel/wall.hpp.
 
 #include <vector>
 
@@ -29,10 +29,10 @@ class Walls {
     }
   }
 
-  /// Where the tiles stand from now on.
+  /// Sets new tiles.
   void rest_on(const Tile<Dim>* tiles) { tiles_ = tiles; }
   const Mirrors<Dim>& mirrors() const { return mirrors_; }
-  /// Whether a tile has nodes on walls or behind them, or next to them.
+  /// Whether a tile has nodes on, behind or beside walls.
   bool near_wall(int t) const { return near_wall_[std::size_t(t)]; }
 
   /// Adds the sums at images to their originals.
@@ -56,8 +56,7 @@ class Walls {
       on(backend, held.images, [&](int t) { talus::extend_evenly(tiles_, t, m, nodal); });
     });
   }
-  /// The same for what velocities are filtered with. Walls that let material slide on with friction, or lift off, mirror
-  /// nothing.
+  /// The same for the moments of the velocity filter. Walls with friction or separation mirror nothing.
   void fold(Backend& backend, FilterMoments<Dim>* moments) const {
     for_each_mirror([&](const Mirror& m, const Held& held) {
       if (m.continues) return;
@@ -72,7 +71,7 @@ class Walls {
   }
 
  private:
-  /// The tiles that hold the nodes of a mirror.
+  /// Tiles with nodes of a mirror.
   struct Held {
     std::vector<int> originals, walls, images;
   };

@@ -56,7 +56,7 @@ void expect_undamaged(const fs::path& file) {
   if (block.substr(kind.size(), format.size()) != format)
     throw std::runtime_error("it is of another format than this version of talus writes, or damaged");
   if (block != block_of(checksum_after_block(in)))
-    throw std::runtime_error("it is damaged: cut off, or changed since it was written (its checksum does not fit)");
+    throw std::runtime_error("it is damaged: truncated or changed (wrong checksum)");
 }
 
 using hdf5::check, hdf5::Handle;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <numbers>
 #include <sstream>
 
@@ -64,7 +65,7 @@ constexpr std::size_t most_bytes = 8'000'000, most_of_pictures = 2'500'000, most
 
 /// Bytes that the packed particles of a page may take if the rest has so many.
 std::size_t budget_of_particles(const Case& case_, std::size_t rest) {
-  if (case_.output.report == ReportSize::full) return viewer_budget;
+  if (case_.output.report == ReportSize::full) return std::numeric_limits<std::size_t>::max();
   rest += page_parts::three_js().size() + page_parts::orbit_controls_js().size() + page_parts::viewer_js().size();
   return rest + least_of_particles < most_bytes ? most_bytes - rest : least_of_particles;
 }
@@ -201,9 +202,12 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
       "</table>\n<p>Thickness is normal to the ground. Speed and arrival are given where material is thicker than "
       "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
   try {
-    const MapBudget small{3e5, 60, most_of_maps};
-    section +=
-        map_view(folder / "maps", case_, run.case_text, case_.output.report == ReportSize::full ? MapBudget{} : small);
+    MapBudget budget;
+    if (case_.output.report == ReportSize::full)
+      budget.bytes = std::numeric_limits<std::size_t>::max();
+    else
+      budget = {3e5, 60, most_of_maps};
+    section += map_view(folder / "maps", case_, run.case_text, budget);
   } catch (const std::exception& e) {  // a report without this map is better than none
     section += "<div class=\"warning\">" + escaped(e.what()) + "</div>\n";
   }

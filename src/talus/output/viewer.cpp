@@ -94,8 +94,8 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
   return instant;
 }
 
-/// The surfaces of solids at the start, as points: close to each other along a line in 2D, apart in 3D, so that one sees
-/// the particles between them.
+/// The surfaces of solids at the start, as points: close to each other along a line in 2D, apart in 3D, so that one
+/// sees the particles between them.
 nlohmann::json pack_solids(const Case& case_, std::string& html) {
   constexpr std::size_t most_points = 40'000;
   nlohmann::json solids = nlohmann::json::array();
@@ -149,7 +149,7 @@ SceneData pack_scene(const Case& case_, const std::vector<std::filesystem::path>
   scene["notes"] =
       "Values are rounded to 0.2 %, positions to 1/65535 of the extent; snapshots have them in full." +
       (n < n_all
-           ? fmt::format(" The page shows {} of {} snapshots, to limit its size; output.report = \"full\" shows more.",
+           ? fmt::format(" The page shows {} of {} snapshots, to limit its size; output.report = \"full\" shows all.",
                          n, n_all)
            : "") +
       (every > 1 ? fmt::format(" The page shows one particle in {}, drawn larger.", every) : "");

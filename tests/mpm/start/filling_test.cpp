@@ -152,7 +152,9 @@ TEST_F(FilesOfACase, PartsOneAfterTheOtherAreTheWholeByTheSameBits) {
       EXPECT_EQ(joined.points, whole.points) << more;
       EXPECT_EQ(joined.volumes, whole.volumes) << more;
     }
-    if (more.empty()) EXPECT_EQ(whole.centre, (Vec<3>{2.5, 3.5, 0}));
+    if (more.empty()) {
+      EXPECT_EQ(whole.centre, (Vec<3>{2.5, 3.5, 0}));
+    }
   }
 }
 

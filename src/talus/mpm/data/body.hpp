@@ -19,7 +19,9 @@ struct Body {
   Particles<Dim> particles;
   std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
   std::vector<SurfaceLoad> loads{};
-  long cost = 400;  ///< of a particle in a step [ns], by which owners divide the work; until it is measured, any
+  long cost =
+      400;  ///< cost of a particle in a step [ns], for the division of work among owners; an estimate until it is
+            ///< measured
 };
 
 /// A body and the shape function of its particles.
@@ -28,7 +30,7 @@ struct ShapedBody : Body<Dim> {
   Shape shape;
 };
 
-/// The particles of a body in one tile, as kernels see them.
+/// The particles of a body in one tile, as a view for kernels.
 template <int Dim, class Shape>
 struct TilePoints {
   ParticlesView<Dim> particles;
@@ -37,7 +39,7 @@ struct TilePoints {
   Shape shape;
 
   TALUS_HD int size() const { return range.size(); }
-  /// How many of four from number i of the tile on there are.
+  /// Number of particles among the four from number i of the tile on.
   TALUS_HD int count(int i) const { return range.size() - i < 4 ? range.size() - i : 4; }
 };
 template <int Dim, class Shape>

@@ -1,5 +1,5 @@
 #pragma once
-/// The box that the grid fills.
+/// The box of the grid.
 
 #include <array>
 
@@ -20,7 +20,7 @@ struct Domain {
   TALUS_HD bool is_periodic(int axis) const { return walls[2 * axis].kind == WallKind::periodic; }
   TALUS_HD bool lets_out(int side) const { return walls[side].kind == WallKind::outflow; }
 
-  /// Tiles along each axis after which they come round again; 0 where they do not.
+  /// Period in tiles along each axis; 0 if not periodic.
   Index<Dim> period() const {
     Index<Dim> tiles{};
     for (int a = 0; a < Dim; ++a)
@@ -35,14 +35,14 @@ struct Domain {
     }
     return box;
   }
-  /// Where a place along a periodic axis is within the first period.
+  /// Moves a place along a periodic axis into the first period.
   TALUS_HD double in_first_period(double x, int axis) const {
     const double length = h * n_cells[axis];
     if (x < origin[axis]) x += length;
     return x < origin[axis] + length ? x : x - length;
   }
 
-  /// A place in units of cells from the origin; for one point or for several at once.
+  /// A position in cells from the origin, for one point or several.
   template <class Places>
   TALUS_HD Places in_cells(Places x) const {
     using R = std::remove_cvref_t<decltype(x[0])>;
@@ -50,8 +50,8 @@ struct Domain {
     return x;
   }
 
-  /// Whether four places, in cells, are where particles may be. Sides of kind `outflow` let them go on; what is not a
-  /// number is nowhere.
+  /// Whether particles may be at four positions, in cells. They may be beyond sides of kind `outflow`, and nowhere if
+  /// not finite.
   TALUS_HD bool contains(const std::array<Quad, Dim>& x_in_cells) const {
     bool all_inside = true;
     for (int a = 0; a < Dim; ++a) {

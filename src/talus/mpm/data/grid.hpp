@@ -1,5 +1,5 @@
 #pragma once
-/// The background grid: only the tiles that hold material, and the nodes around them.
+/// The background grid: only the tiles with material, and the nodes around them.
 
 #include <cstdint>
 #include <unordered_map>
@@ -15,8 +15,8 @@ struct CellRange {
   Index<Dim> low, high;
 };
 
-/// The given occupied tiles in the given order, then the empty ones whose nodes their particles reach. `cells`: one an
-/// occupied tile. `period`: tiles along each axis after which they come round again; 0 where they do not.
+/// The given occupied tiles in the given order, then the empty ones whose nodes their particles reach. `cells`: one for
+/// each occupied tile. `period`: period in tiles along each axis; 0 if not periodic.
 template <int Dim, class Shape>
 std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, const std::vector<CellRange<Dim>>& cells,
                                     const Index<Dim>& period) {
@@ -60,7 +60,7 @@ std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, con
   return tiles;
 }
 
-/// As many values for each tile as it has nodes, or its window.
+/// Values of the nodes of each tile, or of its window.
 template <class Node, int per_tile>
 class TileArray {
  public:
@@ -68,7 +68,7 @@ class TileArray {
   static constexpr int n = per_tile;
   Node* of(int t) { return &nodes_[std::size_t(t) * per_tile]; }
   const Node* of(int t) const { return &nodes_[std::size_t(t) * per_tile]; }
-  /// Of all tiles, one after the other.
+  /// Values of all tiles in their order.
   Node* data() { return nodes_.data(); }
   const Node* data() const { return nodes_.data(); }
   void resize(int n_tiles) { nodes_.resize(std::size_t(n_tiles) * per_tile); }
@@ -84,7 +84,7 @@ class Grid {
   using Layout = TileLayout<Dim, Shape>;
   template <class Node>
   using Nodes = TileArray<Node, Layout::n_nodes>;
-  /// What the particles of each occupied tile add to the nodes in their reach.
+  /// Contributions of the particles of each occupied tile to the nodes in reach.
   template <class Node>
   using Windows = TileArray<Node, Layout::n_window>;
 
@@ -103,7 +103,7 @@ class Grid {
   /// Of every occupied tile.
   const std::vector<CellRange<Dim>>& cells() const { return cells_; }
 
-  /// Takes up tiles, the occupied ones first.
+  /// Sets the tiles, the occupied ones first.
   void set_tiles(std::vector<Tile<Dim>> tiles, std::vector<CellRange<Dim>> cells) {
     tiles_ = std::move(tiles);
     cells_ = std::move(cells);

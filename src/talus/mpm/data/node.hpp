@@ -1,6 +1,6 @@
 #pragma once
-/// What is known at a node of the grid: four numbers each, a plain struct for each meaning. Kernels load and store them
-/// as a `Quad`, and two of them as an `Octet`.
+/// Quantities of a node of the grid: a plain struct of four numbers for each. Kernels load and store them as a `Quad`,
+/// and two of them as an `Octet`.
 
 #include <concepts>
 #include <type_traits>
@@ -15,13 +15,13 @@ struct alignas(32) MassMomentum {
   double mass;      ///< [kg]
 };
 
-/// Before the step, and after it.
+/// Velocity before or after the step.
 struct alignas(32) MassVelocity {
   Vec<3> velocity;  ///< [m/s]
   double mass;      ///< [kg]
 };
 
-/// Sums over particles of what the stress exerts.
+/// Forces of the stress: sums over particles.
 struct alignas(32) ForceStiffness {
   Vec<3> force;      ///< [N]
   double stiffness;  ///< volume times modulus of compression waves [J]
@@ -32,7 +32,7 @@ struct alignas(32) Acceleration {
   double zero;          ///< not used
 };
 
-/// What particles take from a node when they move.
+/// Quantities that particles interpolate when they move.
 struct alignas(64) NodeMotion {
   MassVelocity new_velocity;
   Acceleration acceleration;
@@ -77,7 +77,7 @@ TALUS_HD void copy_node(const Node& from, Node& to) {
   to = from;
 }
 
-/// Nodes that hold one number are loaded as it.
+/// Nodes with one number are loaded as a double.
 TALUS_HD inline double load_node(double node) { return node; }
 TALUS_HD inline void store_node(double& node, double value) { node = value; }
 
@@ -90,7 +90,7 @@ TALUS_HD inline Quad quad_of(const Vec<3>& v, double fourth = 0) {
 }
 TALUS_HD inline Vec<3> vector_of(Quad q) { return {q[0], q[1], q[2]}; }
 
-/// Over lanes 0 to 2.
+/// Scalar product over lanes 0 to 2.
 TALUS_HD inline double dot3(Quad a, Quad b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 TALUS_HD inline double norm2(Quad v) { return dot3(v, v); }
 

@@ -13,14 +13,14 @@
 
 namespace talus {
 
-/// What decides how many numbers a particle of a body remembers: the size of its law's state, and some choices of the
+/// Settings that determine the numbers stored per particle: the size of the state of its law, and choices of the
 /// solver.
 struct ParticleMemory {
   int n_state = 0;
   bool moment = false;    ///< transfer `apic`
   bool gradient = false;  ///< transfer `tpic`
   bool modulus = false;   ///< order `musl`
-  int loads = 0;          ///< how many act on sides of the body
+  int loads = 0;          ///< number of loads on sides of the body
   bool extent = false;    ///< of particles that are split and merged
 };
 
@@ -39,7 +39,7 @@ enum class ParticleField {
   ancestor
 };
 
-/// The one list of what is stored of a particle, in the order of `ParticleField`. Storage, sorting, migration, restart,
+/// List of all fields of a particle, in the order of `ParticleField`. Storage, sorting, migration, restart,
 /// output and estimates of memory follow from it.
 struct ParticleFieldInfo {
   std::string_view name, meaning;
@@ -67,7 +67,7 @@ inline constexpr ParticleFieldInfo particle_fields[] = {
 };
 inline constexpr int n_particle_fields = std::size(particle_fields);
 
-/// In which column each field begins, and how many there are.
+/// First column of each field, and number of columns.
 struct ParticleLayout {
   std::array<int, n_particle_fields + 1> first{};
 
@@ -79,11 +79,11 @@ struct ParticleLayout {
   int n_columns() const { return first.back(); }
 };
 
-/// The places of four particles, an axis each.
+/// Positions of four particles, one pack for each axis.
 template <int Dim>
 using FourPlaces = std::array<Quad, Dim>;
 
-/// Particles of a body as kernels see them: pointers to columns, whose rows are ordered by tile and within a tile by
+/// Particles of a body as a view for kernels: pointers to columns, whose rows are ordered by tile and within a tile by
 /// cell.
 template <int Dim>
 struct ParticlesView {
@@ -97,15 +97,16 @@ struct ParticlesView {
   TALUS_HD double* reference_volume() const { return column(ParticleField::reference_volume); }
   TALUS_HD double* id() const { return column(ParticleField::id); }
   TALUS_HD double* state(int number) const { return column(ParticleField::state, number); }
-  /// Component a of what velocity does along axis b around the particle: its moment or its gradient, whichever is kept.
+  /// Component a of the variation of velocity along axis b around the particle: its moment or gradient, depending on
+  /// the transfer.
   TALUS_HD double* affine(int a, int b) const { return column(ParticleField::velocity_moment, Dim * a + b); }
-  /// The area of the side that a load of the body acts on which the particle stands for.
+  /// Area of the loaded side that the particle represents, for each load of the body.
   TALUS_HD double* loaded_area(int load) const { return column(ParticleField::loaded_area, load); }
   TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
   TALUS_HD double* extent(int component) const { return column(ParticleField::extent, component); }
   TALUS_HD double* ancestor() const { return column(ParticleField::ancestor); }
 
-  /// The places of `count` particles from `first` on, at most four [m]; an axis each.
+  /// Positions of `count` particles from `first` on, at most four [m], one pack for each axis.
   TALUS_HD FourPlaces<Dim> places(int first, int count) const {
     FourPlaces<Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = load<Quad>(position(a) + first, count);
@@ -128,7 +129,7 @@ class Particles {
   const Columns& columns() const { return columns_; }
 
   ParticlesView<Dim> view() { return {columns_.pointers(), layout_}; }
-  /// To read from.
+  /// For reading.
   ParticlesView<Dim> view() const { return {columns_.pointers(), layout_}; }
 
   double* position(int axis) { return view().position(axis); }

@@ -1,5 +1,5 @@
 #pragma once
-/// Working space of one thread: what the particles of a tile have while their stress is updated.
+/// Working space of one thread: quantities of the particles of a tile during the stress update.
 
 #include <vector>
 
@@ -8,7 +8,7 @@
 
 namespace talus {
 
-/// As kernels see it: rows as long as the tile has particles, and the widest pack more.
+/// View for kernels: rows with one number per particle of the tile, padded by the widest pack.
 struct ScratchView {
   double* gradient[3][3];               ///< velocity gradient L [1/s]
   double* flux[6];                      ///< volume times stress [J], tension-positive
@@ -30,7 +30,7 @@ class Scratch {
  public:
   /// With room for n particles.
   ScratchView view(int n) {
-    n += widest_pack;  // the last pack may reach beyond the last particle
+    n += widest_pack;  // the last pack may extend beyond the last particle
     if (n > int(cell_.size())) {
       for (auto& row : rows_) row.assign(std::size_t(n), 0.0);
       cell_.resize(std::size_t(n));

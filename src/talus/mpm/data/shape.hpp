@@ -2,10 +2,10 @@
 /// Shape functions along one axis, in units of the cell. In space they are products over the axes.
 ///
 /// A shape gives, for a point at x: the first node it touches, and the weights N and their derivatives dN/dx at
-/// `support` nodes from there on. A point that has left its cell by less than half a cell touches nodes from `below`
-/// under the cell's first node to `above` over it.
+/// `support` nodes from there on. A point that has left its cell by less than half a cell touches the nodes from
+/// `below` before the first node of the cell to `above` after it.
 ///
-/// A shape is an object, one a body: uGIMP's depends on how large the body's particles are. The others have no state.
+/// A shape is an object, one for each body: uGIMP has the particle size of the body, the others have no state.
 
 #include "talus/math/pack.hpp"
 
@@ -75,8 +75,8 @@ struct Ugimp {
     const R l(half_width), zero(0.0), one(1.0), by_l(1 / half_width);
     const R base = floor(x - R(0.5)), d = x - base - one;  // -1/2 <= d < 1/2 from the node in the middle
     const auto middle = abs(d) < l;
-    // From the end of the particle to the end of the hat of the node before, and of the one behind; 2 l and more where
-    // all of the particle lies under the hat.
+    // Distances from the end of the particle to the end of the hat of the node before, and after; at least 2 l if the
+    // whole particle is under the hat.
     const R before = max(zero, l - d), behind = max(zero, l + d);
     const auto outer = [&](R e) { return select(e < l + l, R(0.25) * by_l * e * e, e - l); };
     const auto slope = [&](R e) { return min(one, R(0.5) * by_l * e); };

@@ -1,5 +1,5 @@
 #pragma once
-/// Tiles of the background grid and how their nodes are counted.
+/// Tiles of the background grid and the numbering of their nodes.
 ///
 /// A tile is a cube of `tile_edge` cells along each axis and owns as many nodes. Its particles touch nodes of
 /// neighbouring tiles too, so a tile scatters into an array of its own that covers those as well (its window);
@@ -21,7 +21,7 @@ TALUS_HD constexpr int power(int base, int exponent) { return exponent == 0 ? 1 
 TALUS_HD inline int cell_of(double x_in_cells) { return int(floor(x_in_cells)); }
 TALUS_HD inline int tile_of(int cell) { return cell >= 0 ? cell / tile_edge : -((-cell + tile_edge - 1) / tile_edge); }
 
-/// Numbers of the places in a cube, the first axis fastest.
+/// Numbering of positions in a cube, the first axis fastest.
 template <int Dim>
 TALUS_HD constexpr int flatten(const Index<Dim>& i, int edge) {
   int flat = 0;
@@ -35,7 +35,7 @@ TALUS_HD constexpr Index<Dim> unflatten(int flat, int edge) {
   return i;
 }
 
-/// The place of a tile, where something else says in which dimension.
+/// Position of a tile, with the dimension as a template parameter.
 template <int Dim>
 using TilePlace = std::type_identity_t<Index<Dim>>;
 
@@ -55,13 +55,13 @@ TALUS_HD constexpr Index<Dim> offset_of(int neighbour) {
   return offset;
 }
 
-/// Where a tile stands, and which tiles stand around it (-1: none).
+/// Position of a tile, and its neighbours (-1: none).
 template <int Dim>
 struct Tile {
   Index<Dim> place;  ///< its first cell, divided by tile_edge
   int neighbours[n_neighbours<Dim>];
   bool occupied;      ///< holds particles, so its window is in use
-  bool owned = true;  ///< by this owner; what others own is here as far as this one's nodes need it
+  bool owned = true;  ///< by this owner; tiles of others are present if nodes of this owner need them
 };
 
 /// A node of a tile, counted in the whole grid.
@@ -72,7 +72,7 @@ TALUS_HD Index<Dim> global_node(const Index<Dim>& tile, int node) {
   return i;
 }
 
-/// How the nodes of a tile and of its window are counted: the first axis runs fastest.
+/// Numbering of the nodes of a tile and of its window; the first axis is fastest.
 template <int Dim, class Shape>
 struct TileLayout {
   static constexpr int n_cells = power(tile_edge, Dim);
@@ -123,7 +123,7 @@ TALUS_HD void clear_window(Node* window) {
   for (int i = 0; i < TileLayout<Dim, Shape>::n_window; ++i) window[i] = Node{};
 }
 
-/// sums = what the windows of all occupied tiles hold for the nodes of tile t, added in the order of the neighbours.
+/// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours.
 /// `windows`: those of all tiles, one after the other.
 template <int Dim, class Shape, class Node>
 TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, Node* sums) {
@@ -138,13 +138,13 @@ TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, No
   }
 }
 
-/// Calls take(node, w) for the nodes of a tile and its neighbours, each with its place in a window, and lack(w) where there
-/// is no tile. Nodes are counted over all tiles, one tile after the other.
+/// Calls take(node, w) for the nodes of a tile and its neighbours, with their number w in a window, and lack(w) where
+/// there is no tile. Nodes are numbered over all tiles.
 template <int Dim, class Shape, class Take, class Lack>
 TALUS_HD void for_each_in_window(const Tile<Dim>& tile, Take take, Lack lack) {
   for (int n = 0; n < n_neighbours<Dim>; ++n) {
     const int other = tile.neighbours[n];
-    Index<Dim> mine = offset_of<Dim>(n);  // this tile, seen from the other
+    Index<Dim> mine = offset_of<Dim>(n);  // this tile relative to the other
     for (int a = 0; a < Dim; ++a) mine[a] = -mine[a];
     if (other < 0) {
       detail::for_each_shared<Dim, Shape>(mine, [&](int, int w) { lack(w); });
@@ -155,14 +155,14 @@ TALUS_HD void for_each_in_window(const Tile<Dim>& tile, Take take, Lack lack) {
   }
 }
 
-/// Copies what the nodes of a tile and its neighbours hold into an array laid out like a window; where there is no tile,
-/// zero. `nodal`: the nodes of all tiles, one tile after the other.
+/// Copies the nodes of a tile and its neighbours into an array with the layout of a window; zero where there is no
+/// tile. `nodal`: the nodes of all tiles.
 template <int Dim, class Shape, class Node>
 TALUS_HD void fill_window(const Tile<Dim>& tile, const Node* nodal, Node* window) {
   for_each_in_window<Dim, Shape>(
       tile, [&](std::size_t node, int w) { copy_node(nodal[node], window[w]); }, [&](int w) { window[w] = Node{}; });
 }
-/// The same for what particles take when they move.
+/// The same for the quantities that particles interpolate when they move.
 template <int Dim, class Shape>
 TALUS_HD void fill_window(const Tile<Dim>& tile, const MassVelocity* new_velocity, const Acceleration* acceleration,
                           NodeMotion* window) {

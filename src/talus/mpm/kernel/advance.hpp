@@ -1,7 +1,7 @@
 #pragma once
 /// New velocities and places of particles from the nodes:
 ///   v_p+ = alpha (v_p + dt sum N_I a_I) + (1 - alpha) sum N_I v_I+,   x_p+ = x_p + dt sum N_I v_I+
-/// with the share alpha of its own velocity that a particle keeps; and what affine transfers let it remember.
+/// with the share alpha of its own velocity that a particle keeps; and the moment or gradient of affine transfers.
 
 #include "talus/mpm/kernel/gradient.hpp"
 
@@ -36,8 +36,8 @@ TALUS_HD void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& d
   }
 }
 
-/// What the nodes' velocity does around each particle: its moment sum N_I v_I (x_I - x)^T (apic, Jiang et al. 2015) or its
-/// gradient (tpic).
+/// Variation of the nodal velocity around each particle: its moment sum N_I v_I (x_I - x)^T (apic, Jiang et al. 2015)
+/// or its gradient (tpic).
 template <bool apic, int Dim, class Shape>
 TALUS_HD void find_affine_motion(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                  const MassVelocity* velocity) {

@@ -1,20 +1,20 @@
 #pragma once
-/// Contact of nodes with walls that rub or let go, and with rigid solids.
+/// Contact of nodes with walls with friction or separation, and with rigid solids.
 ///
 /// Bardenhagen, Brackbill and Sulsky 2000 (Comput. Methods Appl. Mech. Eng. 187:529): the velocity that a node would
-/// have without contact is compared with that of the surface. What would pass the surface is taken from it, which is an
-/// impulse along the normal; what would slide is taken too as far as `friction` times that impulse goes. So material at
-/// rest sticks, and friction never does more than stop it.
+/// have without contact is compared with that of the surface. The component into the surface is removed, by an impulse
+/// along the normal; the sliding component is reduced by at most `friction` times that impulse. So material at rest
+/// sticks, and friction at most stops it.
 ///
-/// It acts twice a step. When momentum has come to the nodes, what would pass is taken before strains are found; of this
-/// impulse the particles feel the share that they take from the nodes' velocities, so that only this share presses. When
-/// forces have acted, the impulse they call up is felt in full.
+/// It acts twice a step. When momentum has come to the nodes, what would pass is taken before strains are found; of
+/// this impulse the particles feel the share that they take from the nodes' velocities, so that only this share
+/// presses. When forces have acted, the impulse they call up is felt in full.
 ///
-/// A node's velocity is the mean of the particles around it. Where material that presses on a surface expands, that mean
-/// leaves the surface although the material on it does not; where it shears, the mean slides. So a contact on which stress
-/// has pressed in the last step is closed, and if friction has held what pressed, it sticks: strains are found with the
-/// node held until no stress presses any more, or friction holds no more. Otherwise what touches the surface would keep
-/// the stress that it gives up by expanding, and would leave with more energy than it came with.
+/// The velocity of a node is the mean of the particles around it. Where material under pressure on a surface expands,
+/// that mean moves away from the surface although the material on it does not; where it shears, the mean slides. So a
+/// contact with pressure in the last step is closed, and if friction has prevented sliding, it sticks: strains are
+/// computed with the node held until there is no pressure, or it slides. Otherwise material at the surface would keep
+/// the stress that expansion releases, and would leave with more energy than it had.
 
 #include "talus/mpm/kernel/wall.hpp"
 
@@ -28,19 +28,19 @@ struct NodeContact {
   Vec<3> velocity{};    ///< of the surface [m/s]
   int number = 0;       ///< of the surface: solids are counted first, then the sides of the domain
   int account = 0;      ///< that its impulses are added to (surface_accounts.hpp)
-  bool closed = false;  ///< stress has pressed on it in the last step
-  bool sticks = false;  ///< and friction has held what pressed
-  bool holds = false;   ///< has stopped what momentum would have brought through the surface
+  bool closed = false;  ///< there was pressure on it in the last step
+  bool sticks = false;  ///< and friction has prevented sliding
+  bool holds = false;   ///< has stopped a motion through the surface
   double pressed = 0;   ///< impulse along the normal that the particles have felt in this step, over the mass [m/s]
   double drag = 0;      ///< what slides at a speed v is slowed by `drag` v^2 beside friction [1/m]
-  /// Given to the node in the last stage of the step [N s]: of what momentum would have brought through the surface the
-  /// share that particles feel; then what it gave when forces had acted.
+  /// Impulse on the node in the last stage of the step [N s]: first the share felt by particles of the impulse that
+  /// stops motion through the surface; then the impulse after forces have acted.
   Vec<3> impulse{};
   double heat = 0;       ///< of friction in this step [J]
-  double turbulent = 0;  ///< share of it that the drag made
+  double turbulent = 0;  ///< share of it due to drag
 };
 
-/// What outlives a step of a closed contact. Its surface, normal and velocity are found anew in the next step.
+/// State of a closed contact between steps. Surface, normal and velocity are computed in every step.
 inline NodeContact closed_contact(int node, int number, bool sticks) {
   NodeContact contact{node, {}, {}};
   contact.number = number;
@@ -57,7 +57,8 @@ struct ContactsView {
   TALUS_HD NodeContact* end() const { return contacts + n; }
 };
 
-/// A velocity without what would pass the surface, or leave it where it may not; where material sticks, the surface's.
+/// A velocity without its component into the surface, and without that away from it if material must stay; if material
+/// sticks, the velocity of the surface.
 TALUS_HD inline Vec<3> admitted(const NodeContact& c, const Vec<3>& v) {
   if (c.surface.kind == WallKind::no_slip) return c.velocity;
   const double leaving = dot(v - c.velocity, c.normal);
@@ -65,15 +66,15 @@ TALUS_HD inline Vec<3> admitted(const NodeContact& c, const Vec<3>& v) {
   return v - leaving * c.normal;
 }
 
-/// The velocity that strains are found with, of a node to which momentum has brought the velocity v.
+/// Velocity for strains, of a node with the velocity v from momentum.
 TALUS_HD inline Vec<3> at_start(const NodeContact& c, const Vec<3>& v) {
   if (c.sticks) return c.velocity;
   return c.closed ? v - dot(v - c.velocity, c.normal) * c.normal : admitted(c, v);
 }
 
-/// The speed v of sliding that is left where friction grows with it, of the speed `sliding` that constant friction would
-/// leave. The layer that shears is taken to be half a cell h thick, under the pressure pressed rho h/(2 dt) of a node that
-/// stands for half a cell:
+/// The speed v of sliding that is left where friction grows with it, of the speed `sliding` that constant friction
+/// would leave. The layer that shears is taken to be half a cell h thick, under the pressure pressed rho h/(2 dt) of a
+/// node that stands for half a cell:
 ///   I = (2 v/h) d sqrt(rho_s/p) = k v,   k^2 = 8 d^2 dt/(h^3 Phi pressed),   v = sliding - gain k v/(I_0 + k v) pressed
 /// with `layer` = dt/h^3.
 TALUS_HD inline double sliding_left(const FrictionRise& rise, double sliding, double pressed, double layer) {
@@ -83,16 +84,16 @@ TALUS_HD inline double sliding_left(const FrictionRise& rise, double sliding, do
   return b > 0 ? 2 * rise.I_0 * sliding / (b + root) : (root - b) / (2 * k);
 }
 
-/// The speed left of what slides while drag v^2 slows it for a step: 1/v grows by drag dt.
+/// Sliding speed after a step with the deceleration drag v^2: 1/v increases by drag dt.
 TALUS_HD inline double after_drag(double drag, double speed, double dt) { return speed / (1 + drag * speed * dt); }
 
-/// How long a step is, and what `sliding_left` takes of it.
+/// Length of a step, and data for `sliding_left`.
 struct ContactStep {
   double dt = 0;     ///< [s]
   double layer = 0;  ///< dt/h^3 [s/m3]
 };
 
-/// What is left of the velocity that a node would reach without contact.
+/// Velocity of a node after contact.
 struct AfterContact {
   Vec<3> velocity;
   bool sticks;           ///< friction holds it on the surface
@@ -108,20 +109,20 @@ TALUS_HD inline AfterContact after_contact(const NodeContact& c, const Vec<3>& t
   const FrictionRise& rise = c.surface.rise;
   double taken = rise.gain > 0 && held > 0 ? speed - sliding_left(rise, speed - held, pressed, step.layer) : held;
   const double by_coulomb = taken;
-  // Turbulent friction does not depend on what presses: it also acts in steps in which material that swings on its
-  // ground does not press. Nothing would make up for it later, as a greater pressure does for Coulomb's.
+  // Turbulent friction is independent of pressure: it also acts in steps in which oscillating material has no pressure
+  // on the ground. A later, larger pressure would not compensate for it, as it does for Coulomb friction.
   if (c.drag > 0) taken = speed - after_drag(c.drag, speed - taken, step.dt);
   return {v - (taken / speed) * sliding, false, c.drag > 0 && taken > 0 ? (taken - by_coulomb) / taken : 0};
 }
 
-/// Sets the velocities that strains are found with, from those that momentum has brought; particles feel the share `felt`
-/// of the impulse. Changes `held_kinetic` of the nodes, adds `wall_work`.
+/// Sets the velocities that strains are found with, from those that momentum has brought; particles feel the share
+/// `felt` of the impulse. Changes `held_kinetic` of the nodes, adds `wall_work`.
 template <int Dim>
 TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& tile, const Mirrors<Dim>& walls,
                             double felt, MassVelocity* velocity, TileSums& sums) {
   for (NodeContact& c : contacts) {
     const Quad before = load_node(velocity[c.node]);
-    if (felt > 0.5) c.sticks = false;  // friction would be felt that nothing has pressed for
+    if (felt > 0.5) c.sticks = false;  // there would be friction without pressure
     const Vec<3> v = vector_of(before), met = at_start(c, v);
     const bool leaves = dot(v - met, c.normal) >= 0;
     c.holds = met != v && !(leaves && c.surface.separates);
@@ -135,8 +136,8 @@ TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& 
   }
 }
 
-/// Applies contacts to the velocities that nodes have reached. Their energy goes into work on what moves and into heat of
-/// what rubs. Writes new velocities and, from them, accelerations.
+/// Applies contacts to the velocities that nodes have reached. Their energy goes into work on what moves and into heat
+/// of what rubs. Writes new velocities and, from them, accelerations.
 template <int Dim>
 TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>& tile, const Mirrors<Dim>& walls,
                               const ContactStep& step, Quad gravity, const ForceStiffness* force,
@@ -157,8 +158,8 @@ TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>
     sums[Sum::new_kinetic] += 0.5 * mass * (norm2(v_new) - norm2(trial));
     sums.raise(Most::node_speed2, norm2(v_new));
   }
-  // A node may meet several surfaces; what each gave worked on the way that the node went in the end. Along the surface
-  // that is friction; across it, where the node came and went within the step, an error of the step.
+  // A node may touch several surfaces; the impulse of each does work on the final motion of the node. Along the surface
+  // this is frictional work; normal to it, where the node approached and left within the step, an error of the step.
   for (NodeContact& c : contacts) {
     const Quad v = load_node(velocity[c.node]), v_new = load_node(new_velocity[c.node]);
     store_node(acceleration[c.node], Quad(1 / step.dt) * (v_new - v));

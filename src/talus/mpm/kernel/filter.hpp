@@ -1,23 +1,23 @@
 #pragma once
-/// Takes from the particles' velocities what is not locally affine.
+/// Removes from the velocities of particles the part that is not locally affine.
 ///
-/// Around every node I the velocities of the particles are fitted by a field that varies linearly, by least squares with
-/// the weights m_p N_I(x_p), and (F v)_p = sum N_I(x_p) fit_I(x_p) blends the fits. A fit is a projection, orthogonal in the
-/// mass of the particles, and the weights of a particle add up to one, so F is symmetric in the mass and its eigenvalues
-/// lie between 0 and 1: taking a share of v - F v always takes energy. F keeps every motion that is affine in all of space,
-/// at the edge of a body as inside it, so taking keeps momentum and angular momentum. On evenly spaced particles 1 - F takes
-/// from a wave with the wave number k the share (m4 - m2^2)/4 k^4, m2 and m4 the moments of the shape; with quadratic
-/// splines that is (kh)^4/40.
+/// Around every node I the velocities of the particles are fitted by a field that varies linearly, by least squares
+/// with the weights m_p N_I(x_p), and (F v)_p = sum N_I(x_p) fit_I(x_p) blends the fits. A fit is a projection,
+/// orthogonal in the mass of the particles, and the weights of a particle add up to one, so F is symmetric in the mass
+/// and its eigenvalues lie between 0 and 1: taking a share of v - F v always takes energy. F keeps every motion that is
+/// affine in all of space, at the edge of a body as inside it, so taking keeps momentum and angular momentum. On evenly
+/// spaced particles 1 - F takes from a wave with the wave number k the share (m4 - m2^2)/4 k^4, m2 and m4 the moments
+/// of the shape; with quadratic splines that is (kh)^4/40.
 ///
-/// Blended local fits are an old way to interpolate scattered data (McLain 1974, Comput. J. 17:318). A filter between PIC
-/// and FLIP that spares what the grid can hold is also that of Hammerquist and Nairn 2017 (Comput. Methods Appl. Mech. Eng.
-/// 318:724); it takes the free edge of a body for noise, which this one does not.
+/// Blended local fits are an old way to interpolate scattered data (McLain 1974, Comput. J. 17:318). A filter between
+/// PIC and FLIP that spares what the grid can hold is also that of Hammerquist and Nairn 2017 (Comput. Methods Appl.
+/// Mech. Eng. 318:724); it treats the free edge of a body as noise; this one does not.
 ///
-/// Where walls mirror, the fits are those of the material with its image. At contacts a fit may not carry material through
-/// the surface: it is made anew among the fields that do not, at the node.
+/// Where walls mirror, the fits are those of the material with its image. At contacts a fit must not move material
+/// through the surface: it is replaced by the best fit that does not, at the node.
 ///
-/// Reads places, masses and velocities of particles; moments are added up eight at a time, so that a window fits into the
-/// first cache.
+/// Reads places, masses and velocities of particles; moments are added up eight at a time, so that a window fits into
+/// the first cache.
 
 #include "talus/mpm/kernel/contact.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
@@ -32,8 +32,8 @@ struct alignas(64) EightMoments {
   FourMoments quads[2];
 };
 
-/// Sums over the particles around a node with the weights m N, places x counted from the node in cells: of v and, in lane
-/// 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair.
+/// Sums over the particles around a node with the weights m N, places x counted from the node in cells: of v and, in
+/// lane 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair.
 template <int Dim>
 struct FilterMoments {
   static constexpr int n_quads = Dim == 2 ? 4 : 6, n_octets = n_quads / 2;
@@ -53,13 +53,13 @@ struct FilterMoments {
     constexpr int pairs[8][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}, {}, {}};
     return pairs[k][which];
   }
-  /// In how high a power the place along an axis enters a number.
+  /// Power of the position along an axis in a moment.
   TALUS_HD static constexpr int power(int quad, int lane, int axis) {
     if (quad <= Dim) return quad == 1 + axis;
     const int k = 4 * (quad - 1 - Dim) + lane;
     return (pair(k, 0) == axis) + (pair(k, 1) == axis);
   }
-  /// As an image, whose velocities have these factors, has them.
+  /// The same for an image whose velocities have these factors.
   TALUS_HD FilterMoments mirrored(int axis, Quad factors) const {
     FilterMoments m = *this;
     for (int q = 0; q < n_quads; ++q) {
@@ -83,7 +83,7 @@ struct FilterMoments {
 /// The velocity at + sum x_a slope_a around a node.
 template <int Dim>
 struct FilterFit {
-  MassVelocity at, slope[Dim];  // the fourth number means nothing
+  MassVelocity at, slope[Dim];  // the fourth number is unused
 
   TALUS_HD FilterFit mirrored(int axis, Quad factors) const {
     FilterFit f = *this;
@@ -98,8 +98,8 @@ namespace detail {
 /// Mean square of a distance, in cells^2, below which velocity is not known to vary along it: that of 1/1000 of a cell.
 inline constexpr double least_extent = 1e-6;
 
-/// Solves spread slope = along, with the second moments of the particles about a place, an axis after the other. Along an
-/// axis on which particles do not spread, beyond what those before explain, the slope is 0.
+/// Solves spread slope = along, with the second moments of the particles about a place, an axis after the other. Along
+/// an axis on which particles do not spread, beyond what those before explain, the slope is 0.
 template <int Dim>
 TALUS_HD void find_slopes(const FilterMoments<Dim>& m, const Vec<Dim>& about, const Quad (&along)[Dim],
                           Quad (&slope)[Dim]) {
@@ -241,8 +241,9 @@ TALUS_HD FilterFit<Dim> fit_velocity(const FilterMoments<Dim>& m, double least_m
   return fit;
 }
 
-/// Lets the fit of a contact's node, at the node, have the velocity of the surface along its normal; all of it, if the
-/// surface lets nothing slip or friction holds what presses on it. Returns the impulse on the material that this takes [N s].
+/// Sets the fit of a node in contact, at the node, to the velocity of the surface along its normal; along all
+/// directions if the surface permits no sliding or friction prevents it. Returns the impulse on the material that this
+/// takes [N s].
 template <int Dim>
 TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, FilterFit<Dim>& fit) {
   const double mass = m.mass();

@@ -1,7 +1,7 @@
 #pragma once
-/// Forces of the stress on nodes, and the acceleration that nodes have of them.
+/// Forces of the stress on nodes, and the resulting acceleration.
 ///   f_I = -sum V_p sigma_p grad N_I   (around an axis also f_r = -sum V_p sigma_tt N_I/r)
-///   a_I = f_I/m_I + g,   v_I+ = v_I + dt a_I, and what walls allow of it
+///   a_I = f_I/m_I + g,   v_I+ = v_I + dt a_I, with walls
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/gradient.hpp"

@@ -7,8 +7,8 @@
 
 namespace talus {
 
-/// Distances of `count` particles from the axis [m], above 0 for those on it: there v_r is 0 by symmetry, and next to it
-/// v_r/r has its limit.
+/// Distances of `count` particles from the axis [m], above 0 for those on it: there v_r is 0 by symmetry, and next to
+/// it v_r/r has its limit.
 template <int Dim>
 TALUS_HD Quad radius_of(const ParticlesView<Dim>& particles, const Domain<Dim>& domain, int first, int count) {
   return max(load<Quad>(particles.position(0) + first, count), Quad(1e-6 * domain.h));
@@ -27,7 +27,7 @@ TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelo
   for (int b = 0; b < Dim; ++b) transpose(columns[b]);
 }
 
-/// The rate at which circles around the axis grow: v_r/r.
+/// Hoop strain rate: v_r/r.
 template <int Dim, class Shape>
 TALUS_HD void find_hoop_rates(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                               const MassVelocity* velocity, const ScratchView& s) {
@@ -56,7 +56,7 @@ TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<
   }
   if constexpr (Dim == 2)
     if (domain.axisymmetric) find_hoop_rates(points, domain, velocity, s);
-  // What the last pack holds behind the last particle stands still.
+  // Lanes after the last particle have no motion.
   for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4)
     for (int a = 0; a < Dim; ++a)
       for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));

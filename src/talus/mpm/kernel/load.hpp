@@ -1,8 +1,8 @@
 #pragma once
 /// Loads on sides of bodies: f_I = N_I F, at the place of the side.
 ///
-/// They press on the side, half a spacing outside the particles: pressed on their middles, the outermost would bear half
-/// the stress.
+/// They act on the side, half a spacing outside the particles: at the centres of particles, the outermost would carry
+/// half the stress.
 
 #include "talus/mpm/kernel/transfer.hpp"
 
@@ -16,10 +16,10 @@ struct LoadView {
   double reach;  ///< from the middle of a particle to where it ends, along the axis, in cells
 };
 
-/// Weights of the place where a particle ends, `reach` cells along an axis from its middle, on the particle's own nodes:
-/// others may have no mass. Where that place touches others, N goes on to it along its tangent. The outermost node, which
-/// may hold next to nothing of the particle, takes no more than an even stress gives it, or four times N; what that leaves
-/// goes to the next one.
+/// Weights of the place where a particle ends, `reach` cells along an axis from its middle, on the particle's own
+/// nodes: others may have no mass. Where that place touches others, N goes on to it along its tangent. The outermost
+/// node, whose weight may be almost zero, gets at most the force of a uniform stress, or four times N; the rest goes to
+/// the next node.
 template <int Dim, class Shape>
 TALUS_HD FourWeights<Dim, Shape> weights_at_end(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i,
                                                 int axis, double reach) {

@@ -1,7 +1,8 @@
 #pragma once
-/// Mass and momentum, from particles to nodes, and the velocity that nodes have of them.
-///   m_I = sum N_I m_p,   m_I v_I = sum N_I m_p v_p   (Sulsky, Chen and Schreyer 1994; with `apic` and `tpic` + N_I m_p C (x_I - x_p))
-///   v_I = m_I v_I / m_I, and what walls allow of it
+/// Transfer of mass and momentum from particles to nodes, and velocity of nodes.
+///   m_I = sum N_I m_p, m_I v_I = sum N_I m_p v_p (Sulsky, Chen and Schreyer 1994; with `apic` and `tpic` + N_I m_p C
+///   (x_I - x_p))
+///   v_I = m_I v_I / m_I, with walls
 /// A tile's particles are added body by body, in their order.
 
 #include "talus/mpm/kernel/transfer.hpp"
@@ -28,8 +29,8 @@ TALUS_HD void add_mass_and_momentum(const TilePoints<Dim, Shape>& points, const 
   }
 }
 
-/// Adds what nodes get beyond the particle's own velocity: m N_I C (x_I - x), with the gradient C that the particle brought
-/// (tpic) or that follows from its moment where it is now (apic).
+/// Adds what nodes get beyond the particle's own velocity: m N_I C (x_I - x), with the gradient C that the particle
+/// brought (tpic) or that follows from its moment where it is now (apic).
 template <bool apic, int Dim, class Shape>
 TALUS_HD void add_affine_momentum(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                   MassMomentum* window) {

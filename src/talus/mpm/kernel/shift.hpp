@@ -1,18 +1,18 @@
 #pragma once
-/// Particles that stand closer than their volumes leave room for move apart, down the gradient of how full the nodes are:
+/// Particles that are closer than their volumes permit move apart, down the gradient of the filling of the nodes:
 ///   x_p -= D grad excess,   excess_I = sum N_I V_p / room_I - 1
-/// Fick's diffusion, as Lind, Xu, Stansby and Rogers 2012 (J. Comput. Phys. 231:1499) have it for smoothed particles; for
-/// material points see Baumgarten and Kamrin 2023 (Int. J. Numer. Meth. Eng.). The velocity gradient is known at particles
-/// only, so where these are uneven, what flows into a cell is not what they are strained by, and flows that shear on and
-/// on lose room: 20 % of a tall column's.
+/// Fick's diffusion, as Lind, Xu, Stansby and Rogers 2012 (J. Comput. Phys. 231:1499) have it for smoothed particles;
+/// for material points see Baumgarten and Kamrin 2023 (Int. J. Numer. Meth. Eng.). The velocity gradient is known at
+/// particles only, so where particles are uneven, their strain differs from the flow into a cell, and continued shear
+/// loses volume: 20 % in a tall column.
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
 
 namespace talus {
 
-/// Adds the volumes of particles to the window of their tile, in their order. Reads the row `volume` of the scratch. Grains
-/// that have moved apart go on expanding, but need no more room than `most_room` [m3/kg].
+/// Adds the volumes of particles to the window of their tile, in their order. Reads the row `volume` of the scratch.
+/// Grains that have moved apart go on expanding, but need no more room than `most_room` [m3/kg].
 template <int Dim, class Shape>
 TALUS_HD void add_volumes(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double most_room,
                           const ScratchView& s, double* window) {
@@ -27,9 +27,9 @@ TALUS_HD void add_volumes(const TilePoints<Dim, Shape>& points, const Domain<Dim
   }
 }
 
-/// By how much a tile's nodes are too full, from how full those of its window are. Inside the material they may lack
-/// something, too; at a surface it is no fault. Inside is where a node and its neighbours are as full on average as a cell
-/// below a flat surface, (1/2 + 47/48 + 1)/3 with quadratic splines; 1/48 may be missing there.
+/// Excess filling of the nodes of a tile. Inside the material it may be negative; at a surface it is not. Inside means
+/// that the mean filling of a node and its neighbours is at least that of a cell below a flat surface, (1/2 + 47/48 +
+/// 1)/3 with quadratic splines; 1/48 may be missing there.
 template <int Dim, class Shape>
 TALUS_HD void find_excess(const double* filling, double* excess) {
   using Layout = TileLayout<Dim, Shape>;
@@ -50,8 +50,9 @@ TALUS_HD void find_excess(const double* filling, double* excess) {
   }
 }
 
-/// How far a particle at x may be shifted towards a side of the domain, in cells: along an axis a tenth, as windows reach
-/// farther; half the way to a wall at most. Splines are even at walls and lead nothing through; hat functions are not.
+/// How far a particle at x may be shifted towards a side of the domain, in cells: along an axis a tenth, as windows
+/// reach farther; half the way to a wall at most. Splines are symmetric at walls and lead no particle through; hat
+/// functions are not.
 template <int Dim>
 TALUS_HD double room_towards(const Domain<Dim>& domain, int side, double x) {
   constexpr double largest_shift = 0.1;
@@ -74,8 +75,8 @@ TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const doubl
   return shift;
 }
 
-/// Moves a tile's particles down the gradient of the excess of its window's nodes. `limit(x, shift)` returns what may be
-/// left of a shift.
+/// Moves a tile's particles down the gradient of the excess of its window's nodes. `limit(x, shift)` returns what may
+/// be left of a shift.
 template <int Dim, class Shape, class Limit>
 TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* excess,
                               Limit limit) {

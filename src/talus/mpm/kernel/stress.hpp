@@ -1,5 +1,5 @@
 #pragma once
-/// The law at work on the particles of one tile: L dt -> state and stress.
+/// Stress update of the particles of a tile: L dt -> state and stress.
 ///
 /// Written against a number type R, as laws are: Pack for as many particles at a time, double for one after the other.
 /// The same bits either way, but for the order in which sums over particles are made (lane by lane, then over lanes).
@@ -18,11 +18,11 @@ struct StressUpdate {
   bool average_pressure;  ///< replace elastic compression by its mean over the cell
   bool f_bar;             ///< replace the rate of volume change by its mean over the cell
   double bulk_viscosity;  ///< b, share of critical damping of the grid's shortest waves, see `viscous_pressure`
-  double rest_speed = 0;  ///< what is slower rests, and gaps in it close [m/s], see `gap_of_rest`
-  double closing = 0;     ///< sqrt(g/h): how fast they do [1/s]
+  double rest_speed = 0;  ///< slower material is at rest, and its gaps close [m/s], see `gap_of_rest`
+  double closing = 0;     ///< sqrt(g/h): rate of closing [1/s]
 };
 
-/// Material rests below this share of sqrt(g h), the speed in which things fall by half a cell.
+/// Material rests below this share of sqrt(g h), the speed of free fall over half a cell.
 inline constexpr double share_of_rest = 0.1;
 
 /// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
@@ -63,12 +63,12 @@ TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles,
   }
 }
 
-/// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where it
-/// has opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is what it
-/// was; means of x itself would lose room with every gap that opens in a cell and closes.
+/// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where
+/// it has opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is
+/// what it was; means of x itself would lose room with every gap that opens in a cell and closes.
 template <Number R, class Law>
 TALUS_HD R share_of_mean(const Law& law, R x) {
-  using talus::select;  // laws have others in `detail`
+  using talus::select;  // laws have another `select` in `detail`
   const R zero(0.0), a(law.growth_in_gap());
   if (!any(x < zero)) return x;
   return select(x < zero, a * (exp(min(x, zero) / a) - R(1.0)), x);
@@ -121,8 +121,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   }
 }
 
-/// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that hold
-/// none.
+/// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that
+/// hold none.
 template <Number R>
 struct PackSums {
   LaneSum<R> elastic, averaging, internal_work, plastic_work, collisional_work, viscous_work, returned_work;
@@ -145,31 +145,31 @@ struct PackSums {
   }
 };
 
-/// -b rho c h tr D, which damps what volume does between neighbouring cells (Landshoff 1955), in material that closes and in
-/// material that opens; no suction beyond the pressure that is there, for grains do not pull. Times the volume [J], from
-/// `damping` = b rho c h V [J s], `rate` = tr D and `bulk_tension` = V tr sigma/3.
+/// -b rho c h tr D, which damps what volume does between neighbouring cells (Landshoff 1955), in material that closes
+/// and in material that opens; suction is limited to the present pressure, because grains do not pull. Times the volume
+/// [J], from `damping` = b rho c h V [J s], `rate` = tr D and `bulk_tension` = V tr sigma/3.
 template <Number R>
 TALUS_HD R viscous_pressure(R damping, R rate, R bulk_tension) {
   return max(R(0.0) - damping * rate, min(R(0.0), bulk_tension));
 }
 
-/// What is left of a gap, a volumetric strain, in material that rests, after a step. A grain with nothing below it falls.
-/// Where a cell holds few particles the velocities of its nodes are those of its neighbours, which may carry it while its
-/// own grains are apart: nothing would make them fall. So they do here: a gap s of a cell h closes at the rate sqrt(g s/h),
-/// in twice the time sqrt(s h/g). What flows or flies keeps its gaps.
+/// Gap (a volumetric strain) after a step in material at rest. In a cell with few particles the velocities of nodes are
+/// those of neighbouring particles, which may carry the weight, so that the gap would remain. Therefore a gap s in a
+/// cell h closes at the rate sqrt(g s/h), in the time 2 sqrt(s h/g), as grains would fall through it. Material in flow
+/// or flight keeps its gaps.
 template <Number R>
 TALUS_HD R gap_of_rest(R gap, double fallen) {
   const R root = max(sqrt(gap) - R(fallen), R(0.0));
   return root * root;
 }
 
-/// Lets gaps close where material is slower than `how.rest_speed`; a gap that cohesion spans stays. Returns where none is
-/// left of one.
+/// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where a gap has
+/// closed.
 template <Number R, class Law, int Dim>
 TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particles, int first, int count,
                               const StressUpdate& how, typename Law::template State<R>& state) {
   using State = typename Law::template State<R>;
-  using talus::select;  // laws have others in `detail`
+  using talus::select;  // laws have another `select` in `detail`
   const R zero(0.0), x = Law::compression(state);
   mask_t<R> closes = x < zero;
   if (!any(closes)) return closes;
@@ -264,8 +264,8 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     }
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
     total.elastic += volume * law.elastic_energy(state);
-    // With means over cells the material feels the mean rate and the nodes the particle's own: what that costs is
-    // numerical.
+    // With averaging over cells the material has the mean rate and the nodes that of the particle: the difference of
+    // work is numerical dissipation.
     total.internal_work += volume * response.work;
     total.plastic_work += volume * response.plastic_work;
     total.collisional_work += volume * response.collisional_work;

@@ -2,17 +2,16 @@
 /// Walls on the sides of the domain, at the nodes of a tile.
 ///
 /// A wall lies on a plane of nodes. Shape functions that would reach through it are mirrored: the node behind the wall
-/// is the image of the one in front of it, and has its velocity turned round (slip: the normal component; no slip: all
-/// components). What points hand to an image, mass, momentum or force, belongs to its original, turned the same way. So
-/// at the wall the velocity is exactly what the wall demands, beside it it is linear, and nothing leaks through. Points
-/// do not go behind a wall, so of no shape do they touch more than one node there.
+/// is the image of the one in front of it, and has its velocity reversed (slip: the normal component; no slip: all
+/// components). Mass, momentum or force that points transfer to an image belongs to its original, reversed in the same
+/// way. So the velocity is exact at the wall, linear beside it, and nothing passes the wall. Points do not go behind a
+/// wall, so no shape touches more than one node there.
 ///
-/// A wall that material may slide on with friction, or lift off, is not known to turn anything round: there the image
-/// goes on in a line from the node in front of the wall through the node on it, v_image = 2 v_wall - v_front, and what it
-/// is handed goes to these two in the same shares. Beside the wall the shape functions are then hat functions, so all
-/// that the wall gives or takes goes through its own nodes, where the contact (kernel/contact.hpp) acts. Were velocity
-/// along the wall mirrored instead, a quarter of what presses on the wall would be the images' and would call up no
-/// friction.
+/// At a wall with friction or separation nothing is reversed: the image continues the line from the node in front of
+/// the wall through the node on it, v_image = 2 v_wall - v_front, and its contributions go to these two nodes with the
+/// same factors. Beside the wall the shape functions are then hat functions, so all that the wall gives or takes goes
+/// through its own nodes, where the contact (kernel/contact.hpp) acts. If velocity along the wall were mirrored, a
+/// quarter of the pressure on the wall would act on images and cause no friction.
 
 #include <array>
 
@@ -70,9 +69,9 @@ struct Mirrors {
       if (i[mirrors[k].axis] == mirrors[k].image) return true;
     return false;
   }
-  /// How much of what a node has gained, beyond what points handed to it, came from walls: all of it at a node that
-  /// counts. At an image it is what turning round adds: what the points there gain counts, and so does what its original
-  /// lacks.
+  /// Share of the momentum change of a node, beyond contributions of points, that is due to walls: all at a node that
+  /// is not an image. At an image it is the effect of the reversal: the gain of points there, and the loss of its
+  /// original.
   TALUS_HD Quad gained_from_walls(const TilePlace<Dim>& tile, int node) const {
     Quad share(1.0);
     for (int k = 0; k < n; ++k)
@@ -81,9 +80,9 @@ struct Mirrors {
     return share;
   }
   /// Adds what a node has gained from walls that mirror to the sides of the domain that gave it: each component to the
-  /// side across it if that acts on the node, or evenly to those along it that hold it. `with_originals`: nodes in front
-  /// of a wall count as its nodes, too; what only passes between them and their images goes to the same side twice,
-  /// forth and back.
+  /// side across it if that acts on the node, or evenly to those along it that hold it. `with_originals`: nodes in
+  /// front of a wall count as its nodes, too; exchange between them and their images is added to the same side twice,
+  /// with opposite signs.
   TALUS_HD void share_out(const TilePlace<Dim>& tile, int node, Quad gain, bool with_originals,
                           Vec<3>* of_sides) const {
     const Index<Dim> i = global_node<Dim>(tile, node);
@@ -248,8 +247,8 @@ TALUS_HD void extend_evenly(const Tile<Dim>* tiles, int t, const Mirror& m, doub
 }
 
 /// Adds up what a tile's nodes have gained from walls and solids: mass times `nodal` is what they have, `received` and
-/// `mass` times `everywhere` what particles and gravity gave them. What walls that mirror gave goes to `of_sides` as well,
-/// one a side of the domain, unless that is null.
+/// `mass` times `everywhere` what particles and gravity gave them. What walls that mirror gave goes to `of_sides` as
+/// well, one a side of the domain, unless that is null.
 template <int Dim, NodeOfFour Received, NodeOfFour Node>
 TALUS_HD Vec<3> gain_from_walls(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
                                 const MassVelocity* velocity, const Received* received, const Node* nodal,

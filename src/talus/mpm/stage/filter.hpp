@@ -1,5 +1,5 @@
 #pragma once
-/// Takes from the particles' velocities what has decayed since the last time of what is not locally affine: v_p -= share
+/// Removes the decayed share of the velocities of particles that is not locally affine: v_p -= share
 /// (v - F v)_p (kernel/filter.hpp).
 
 #include <cmath>
@@ -9,13 +9,13 @@
 
 namespace talus {
 
-/// What a filter of velocities has cost.
+/// Energy terms of a filtering.
 struct FilterCost {
-  TileSums contacts;   ///< `wall_work` and `wall_impulse` of what held fits on surfaces
+  TileSums contacts;   ///< `wall_work` and `wall_impulse` of surfaces on the fits
   TileSums particles;  ///< as they are now; `wall_impulse` of walls that mirror
 };
 
-/// Moments and fits around nodes; they do not outlive a filter but keep their memory.
+/// Moments and fits around nodes; valid during a filtering; the memory is kept.
 template <int Dim, class Shape>
 class VelocityFilter {
  public:

@@ -1,6 +1,6 @@
 #pragma once
-/// Splits particles that stand for stretched material, and merges alike ones (refinement.hpp), before particles are put in
-/// order.
+/// Splits particles that stand for stretched material, and merges alike ones (refinement.hpp), before particles are put
+/// in order.
 
 #include <algorithm>
 #include <utility>
@@ -11,7 +11,7 @@
 
 namespace talus {
 
-/// What a refinement did, over all owners.
+/// Result of a refinement, over all owners.
 struct RefinementCost {
   long n_split = 0, n_merged = 0;
   TileSums particles;  ///< what they hold afterwards; `averaging`: elastic energy lost in merging
@@ -22,7 +22,7 @@ class ParticleRefinement {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Lets the material that particles stand for go with the flow for `time` [s], with the new velocities of the nodes.
+  /// Deforms the boxes of particles for `time` [s] with the new velocities of the nodes.
   void stretch(Model<Dim, Shape>& m, double time) {
     m.backend.for_each(m.shares, [&](int t, int worker) {
       if (!m.has_particles(t)) return;
@@ -41,7 +41,8 @@ class ParticleRefinement {
     });
   }
 
-  /// Splits and merges; `n_ids`: how many ids have been given so far. Nothing goes into solids as they stand at that time.
+  /// Splits and merges; `n_ids`: how many ids have been given so far. Nothing goes into solids as they stand at that
+  /// time.
   RefinementCost apply(Model<Dim, Shape>& m, double time, long n_ids) {
     count_cells(m);
     RefinementCost cost;
@@ -141,7 +142,7 @@ class ParticleRefinement {
     return offset;
   }
 
-  /// New particles stand behind those that they were split from, so that particles have one order whoever owns them.
+  /// New particles follow those from which they were split, so that the order of particles does not depend on owners.
   static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, long& n_ids) {
     Particles<Dim>& p = body.particles;
     std::vector<char> copies(std::size_t(p.size()), 1);

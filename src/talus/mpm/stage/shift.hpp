@@ -1,5 +1,5 @@
 #pragma once
-/// Particles that stand closer than their volumes leave room for move apart (kernel/shift.hpp).
+/// Particle shifting (kernel/shift.hpp).
 
 #include "talus/mpm/kernel/shift.hpp"
 #include "talus/mpm/stage/velocities.hpp"
@@ -7,14 +7,15 @@
 
 namespace talus {
 
-/// Volumes around nodes, how full these are, and by how much they are too full; they do not outlive a shift but keep their
-/// memory.
+/// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift; the memory is
+/// kept.
 template <int Dim, class Shape>
 class ParticleShift {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles hold.
+  /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
+  /// hold.
   TileSums apply(Model<Dim, Shape>& m, double time) {
     windows_.resize(m.grid.n_occupied());
     volume_.resize(m.grid.n_tiles());

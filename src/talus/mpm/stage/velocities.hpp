@@ -46,8 +46,8 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
   return m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); });
 }
 
-/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. What pressed on contacts when velocities have just
-/// been `filtered` goes on pressing. Returns `held_kinetic` and `wall_work`.
+/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. Closed contacts stay closed if velocities have
+/// just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
 TileSums find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
   m.add_windows(m.grid.momentum_windows, m.grid.momentum);
@@ -80,8 +80,8 @@ void add_to_sides(Model<Dim, Shape>& m, int t, double factor, const Vec<3> (&of_
   }
 }
 
-/// What a tile's nodes have gained from walls and solids: `nodal` times their mass, beyond what they have `received`. Of
-/// what walls that mirror gave, `factor` times goes to their accounts.
+/// What a tile's nodes have gained from walls and solids: `nodal` times their mass, beyond what they have `received`.
+/// Of what walls that mirror gave, `factor` times goes to their accounts.
 template <int Dim, class Shape, class Received, class Nodes>
 void add_gain_from_walls(Model<Dim, Shape>& m, int t, const Received& received, const Nodes& nodal, Quad everywhere,
                          double factor, TileSums& sums) {

@@ -16,11 +16,11 @@ namespace talus {
 
 namespace {
 
-/// Places that a lattice may have in the box around a body; each is looked at.
+/// Largest number of lattice points in the box around a body; each is checked.
 constexpr double most_places = 1e9;
 constexpr double most_steps = 1e12;
 
-/// The smallest box around a solid where it begins; around one without end, what it has of the domain.
+/// The smallest box around a solid at the start; for an infinite solid, around its part in the domain.
 Box bounding_box_of(const Solid& solid, const Case& case_) {
   if (solid.hollow) return case_.domain;
   return std::visit(
@@ -28,7 +28,7 @@ Box bounding_box_of(const Solid& solid, const Case& case_) {
         if constexpr (std::same_as<Shape, Ground>) {
           return case_.domain;
         } else if constexpr (std::same_as<Shape, HalfSpace>) {
-          double lowest = 0;  // of the domain's corners, seen from the plane
+          double lowest = 0;  // lowest corner of the domain, relative to the plane
           for (int a = 0; a < case_.dim; ++a)
             lowest += s.normal[a] * ((s.normal[a] > 0 ? case_.domain.min[a] : case_.domain.max[a]) - s.point[a]);
           return lowest < 0 ? case_.domain : Box{case_.domain.max, case_.domain.max};
@@ -57,7 +57,7 @@ double fastest_at_start(const BodySpec& body, const Box& box) {
          std::sqrt(dot(body.angular_velocity, body.angular_velocity) * dot(edges, edges));
 }
 
-/// Whether a solid may come into the domain: where it begins, or in the box around all that it passes.
+/// Whether a solid may enter the domain, at the start or by its motion.
 bool may_come_in(const Solid& solid, const Case& case_) {
   const PrescribedMotion& motion = solid.motion;
   if (dot(motion.displacement.rate_after, motion.displacement.rate_after) > 0) return true;
@@ -83,10 +83,10 @@ bool may_come_in(const Solid& solid, const Case& case_) {
 struct Start {
   Box box;
   std::vector<Vec<3>> particles;
-  double signal = 0;  ///< its fastest [m/s], as in mpm/time_step.hpp
+  double signal = 0;  ///< fastest signal [m/s], as in mpm/time_step.hpp
 };
 
-/// Loads on a body that find nothing of its side.
+/// Loads that act on no particle of the side.
 void check_loads_act(const Case& case_, int body, const Filling& particles, std::vector<Mistake>& mistakes) {
   for (const SurfaceLoad& load : case_.loads) {
     if (load.body != body) continue;
@@ -133,7 +133,7 @@ Start check_body(const Case& case_, int number, const Overburden& overburden, st
   return start;
 }
 
-/// A solid, or another body, that holds particles of a body.
+/// A solid, or another body, that overlaps particles of a body.
 void check_apart(MistakesOf section, const Solid& solid, const BodySpec& body, const Start& start, const Case& case_) {
   const Pose pose = solid.motion.at(0);
   double deepest = 0;

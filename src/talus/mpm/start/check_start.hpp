@@ -1,14 +1,14 @@
 #pragma once
-/// What is wrong with a case that shows only with its particles.
+/// Errors in a case that need its particles.
 
 #include "talus/case/case.hpp"
 #include "talus/case/mistake.hpp"
 
 namespace talus {
 
-/// Of a case that is right otherwise and resolved: bodies without particles, that cannot rest, that overlap or stand in
-/// solids, loads that act on nothing, steps that are too long or too many. Of bodies with more than ten million particles
-/// the solver says it when it makes them.
+/// For a resolved case without other errors: bodies without particles, bodies that cannot be at rest, overlaps of
+/// bodies and solids, loads without effect, too long or too many steps. For bodies with more than ten million particles
+/// the solver reports these errors when it makes them.
 std::vector<Mistake> check_start(const Case& case_);
 
 }  // namespace talus

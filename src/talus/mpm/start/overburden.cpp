@@ -21,9 +21,8 @@ double bulk_density(const Material& material, const BodySpec& body) {
 
 namespace {
 
-/// How the thickness of a layer grows along an axis: the slope of the line that fits it best over two cells on either
-/// side, so that steps between the pixels of a map do not show. 0 where the layer does not reach so far, since an edge is
-/// no slope.
+/// Gradient of the thickness of a layer along an axis: least-squares line over two cells on either side, which smooths
+/// steps between the pixels of a map. 0 where the layer ends within this distance, because an edge is not a slope.
 PlanRaster thickening(const PlanRaster& thickness, double cell, int axis) {
   PlanRaster growth = thickness;
   const int n = std::max(1, int(std::lround(2 * cell / thickness.pixel)));

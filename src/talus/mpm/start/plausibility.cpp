@@ -15,7 +15,7 @@ namespace talus {
 
 namespace {
 
-/// The values that a quantity has in ground, grains and their models.
+/// Usual range of a quantity for ground, grains and laboratory models.
 struct Usual {
   std::string_view key, unit;
   double low, high;
@@ -75,7 +75,7 @@ void doubt_surfaces(std::vector<std::string>& doubts, const Case& case_) {
   }
 }
 
-/// Whether something that can carry ground is at a place: a side of the domain, a solid, another body.
+/// Whether a support is at a place: a side of the domain, a solid, another body.
 bool is_carried_at(const Vec<3>& x, const BodySpec& body, const Case& case_) {
   const int up = case_.dim - 1;
   if (x[up] < case_.domain.min[up]) return case_.walls[std::size_t(2 * up)].kind != WallKind::outflow;
@@ -90,12 +90,12 @@ bool is_carried_at(const Vec<3>& x, const BodySpec& body, const Case& case_) {
   return false;
 }
 
-/// Whether nothing is within a cell below any column of a body.
+/// Whether no column of a body has a support within a cell below it.
 bool floats(const BodySpec& body, const Case& case_) {
   constexpr double most_points = 1e6;
   if (!(lattice_places(case_, body) <= most_points)) return false;
   const int up = case_.dim - 1;
-  std::map<std::pair<long, long>, Vec<3>> lowest;  // point of each column of cells
+  std::map<std::pair<long, long>, Vec<3>> lowest;  // lowest point of each column of cells
   for (const Vec<3>& x : fill(case_, body).points) {
     const std::pair<long, long> column{std::lround(x[0] / case_.cell),
                                        case_.dim == 3 ? std::lround(x[1] / case_.cell) : 0};
@@ -109,7 +109,7 @@ bool floats(const BodySpec& body, const Case& case_) {
   return true;
 }
 
-/// A layer less than half as thick as its particles are apart: each of them is a flat plate, and maps show little of it.
+/// A layer thinner than half the particle spacing: its particles are flat plates, and maps show little of it.
 void doubt_thin_layer(std::vector<std::string>& doubts, const BodySpec& body) {
   const auto* layer = std::get_if<SurfaceLayer>(&body.region);
   if (!layer) return;

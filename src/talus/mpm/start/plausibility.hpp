@@ -1,5 +1,5 @@
 #pragma once
-/// Values that are possible, but so unusual that they are often mistakes.
+/// Checks for values that are possible but unusual, and therefore often errors.
 
 #include <string>
 #include <vector>

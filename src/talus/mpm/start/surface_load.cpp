@@ -12,10 +12,10 @@ std::vector<double> loaded_areas(const Case& case_, const SurfaceLoad& load, con
   const int axis = load.side / 2;
   const double outwards = load.side % 2 == 0 ? -1 : 1, half = 0.5 * body.spacing;
   const Box box = bounding_box(body.region, case_.dim), kept = kept_by_symmetry(case_);
-  // The particles share the volume of the body: what each has of it along the axis may differ from the spacing.
+  // The particles share the volume of the body: the length of each along the axis may differ from the spacing.
   const double depth = (box.max[axis] - box.min[axis]) / lattice_planes(body, box, axis);
 
-  std::map<std::array<int, 3>, std::size_t> outermost;  // of every row
+  std::map<std::array<int, 3>, std::size_t> outermost;  // outermost particle of every row
   for (std::size_t i = 0; i < particles.points.size(); ++i) {
     const Vec<3>& x = particles.points[i];
     std::array<int, 3> row{};
@@ -38,7 +38,7 @@ std::vector<double> loaded_areas(const Case& case_, const SurfaceLoad& load, con
           area *= surface >= low - half && surface <= high + half;
           continue;
         }
-        // The share of the row's cell, or of what planes of symmetry leave of it; of a ring, around an axis.
+        // Area of the row, or of its part in front of planes of symmetry; axisymmetric of its ring.
         const double from = std::max(kept.min[a], box.min[a] + row[std::size_t(a)] * body.spacing),
                      to = std::min(kept.max[a], box.min[a] + (row[std::size_t(a)] + 1) * body.spacing);
         const auto size = [&](double x0, double x1) {
