@@ -208,7 +208,7 @@ TEST_F(Robustness, ValuesAreReplacedOnTheCommandLineAndTheResultsHoldTheCaseThat
 
 TEST_F(Robustness, TheProgressOfARunFitsIntoANarrowTerminal) {
   // `script` gives the program a terminal, whose width stty sets.
-  const Finished run = talus("run " + cases + "elastic_bar.toml --threads 1 --out " + in("out") + "\" /dev/null",
+  const Finished run = talus("run " + cases + "free_fall.toml --threads 1 --out " + in("out") + "\" /dev/null",
                              "script -qec \"stty cols 40; exec");
   ASSERT_EQ(run.code, 0) << run.output;
   int live = 0;

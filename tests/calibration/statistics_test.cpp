@@ -63,7 +63,9 @@ TEST(Statistics, FurtherTestsAreOfSpecimensAndOfStressesNearTheMeasuredOnes) {
   flow.name = flow.group = "flow";
   flow.kind = TestKind::grain_shear;
   flow.states = {{10, 1.4, 500}, {10, 0.5, 40e3}};
-  const auto tests_with = [&](std::vector<MeasuredTest> tests) { return further_tests(calibration(sand(), {}, tests)); };
+  const auto tests_with = [&](std::vector<MeasuredTest> tests) {
+    return further_tests(calibration(sand(), {}, tests));
+  };
   // 20 and 100 kPa, not 500: the largest stress is 30 kPa, or 40 kPa in the flow.
   for (const auto& tests : {tests_with({drained("a", 30e3, 0.8), drained("b", 10e3, 0.7)}),
                             tests_with({drained("a", 10e3, 0.8), drained("b", 10e3, 0.7), flow})}) {

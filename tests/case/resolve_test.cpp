@@ -550,7 +550,7 @@ TEST(Resolve, RefusesWhatDoesNotFitTogether) {
   expect_mistake([](Case& c) { c.numerics.f_bar = true; }, "numerics.average_pressure must be false with `f_bar`");
   expect_mistake(
       [](Case& c) { c.numerics.transfer = Transfer::apic, c.numerics.shape_function = ShapeFunction::linear; },
-      "numerics.transfer apic needs smoother shapes");
+      "numerics.transfer needs a smoother shape");
   expect_mistake([](Case& c) { c.output.history = 1; }, "output.history is longer than the run, 500 ms");
   expect_mistake(
       [](Case& c) {

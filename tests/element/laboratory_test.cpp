@@ -192,7 +192,7 @@ TEST(Laboratory, CombinationsThatFollowFromOtherComponentsAreRefused) {
   // yy has nothing to control: the strain of xx is that of xx, or constant.
   EXPECT_SAYS(refusal(segment + "xx = { strain = 0.1 }\nyy = { combination = { strain_xx = 1 } }\n"), follows);
   EXPECT_SAYS(refusal(segment + "yy = { combination = { strain_xx = 1, strain_zz = 2 } }\n"),
-              "test.toml:15:1: segment[0].yy");
+              "it.toml:9:6: segment[0].yy");
   EXPECT_SAYS(refusal(segment + "xx = { stress = \"held\" }\nyy = { combination = { stress_xx = 3 } }\n"), follows);
   // Two with the same combination, and three of which one is the sum of the others.
   EXPECT_SAYS(refusal(segment + "xx = { combination = { strain_xx = 1, strain_yy = 1 } }\n"
@@ -206,7 +206,7 @@ TEST(Laboratory, CombinationsThatFollowFromOtherComponentsAreRefused) {
   for (const char* stiffness : {"1 Pa", "10 MPa", "1e6 MPa"})
     EXPECT_EQ(refusal(segment + "xx = { combination = { stress_xx = 1, strain_zz = \"" + stiffness +
                       "\" } }\nyy = { combination = { stress_yy = 1, strain_zz = \"" + stiffness + "\" } }\n"),
-              "");
+              "nothing");
 }
 
 TEST(Laboratory, WrongCombinationsCyclesLoopsAndStopsAreRefused) {

@@ -201,7 +201,7 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
   EXPECT_EQ(with_numerics("shape = \"ugimp\"\ntransfer = \"tpic\"").transfer, Transfer::tpic);
   for (const std::string transfer : {"apic", "tpic"})
     expect_complaint("[run]", "[numerics]\nshape = \"linear\"\ntransfer = \"" + transfer + "\"\n[run]",
-                     transfer + " needs smoother shapes");
+                     transfer + "\" needs a smoother shape");
   expect_complaint("[run]", "[numerics]\ntransfer = \"tpic\"\ntau = \"1 ms\"\n[run]", "tau is no key of");
   EXPECT_TRUE(with_numerics("f_bar = true").f_bar);
   EXPECT_EQ(with_numerics("").bulk_viscosity, 0.4);

@@ -689,7 +689,7 @@ TEST_F(TerrainCase, WithoutAProjectionSmallPixelsNearTheOriginLookLikeDegrees) {
 }
 
 TEST_F(TerrainCase, WebMercatorIsRefused) {
-  write_raster("dem.asc", ground, {.x = 600000, .y = 700000});
+  write_raster("dem.asc", [](double, double) { return 500; }, {.x = 600000, .y = 700000});
   expect_refused(text_of(drawn, "projection = \"EPSG:3857\""), "terrain.raster",
                  "in which lengths are not those on the ground");
 }

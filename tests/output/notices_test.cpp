@@ -92,9 +92,10 @@ TEST(Notices, OutflowIsToldWithItsPlaces) {
             "10 kg, 25 % of the mass, have left through `outflow` sides (x_max 100 %). Fronts and heights are those of "
             "the material in the domain.");
   run.outflow.push_back({"x_max", "east side (x_max)", 10, 1, {600, 200}, {600, 190}, {600, 210}});
-  EXPECT_EQ(notice_of_outflow(run),
-            "10 kg, 25 % of the mass, have left the domain: 100 % over the east side (x_max), around (600, 200), along 20 "
-            "m of it. Runout and deposit are those of the material in the domain.");
+  EXPECT_EQ(
+      notice_of_outflow(run),
+      "10 kg, 25 % of the mass, have left the domain: 100 % over the east side (x_max), around (600, 200), along 20 "
+      "m of it. Runout and deposit are those of the material in the domain.");
 }
 
 TEST(Warnings, AMaterialThatStillMovesIsTold) {

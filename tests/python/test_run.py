@@ -158,9 +158,9 @@ class ASweep(InAFolder):
 
     def test_has_the_hashes_of_the_command_line_whatever_the_quotes(self):
         titles = ["plain", "Lamb's", 'a "b", c', "a'b\"c", "x = [1, 2]", "\\psi"]
-        talus.sweep(self.column, {"title": titles, "run.end": ["1 ms"]}, out=self.folder / "python")
+        talus.sweep(self.column, {"title": titles, "run.end": ["25 ms"]}, out=self.folder / "python")
         typed = ["plain", "Lamb's", '"a \\"b\\", c"', "a'b\"c", "'x = [1, 2]'", "\\psi"]
-        code, said = program("sweep", self.column, "--set", f"title={','.join(typed)}", "--set", 'run.end="1 ms"',
+        code, said = program("sweep", self.column, "--set", f"title={','.join(typed)}", "--set", 'run.end="25 ms"',
                              "--out", self.folder / "shell")
         self.assertEqual(code, 0, said)
         of_python, of_shell = (talus.open(self.folder / n).record for n in ("python", "shell"))

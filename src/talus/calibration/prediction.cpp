@@ -16,7 +16,7 @@ namespace talus {
 namespace {
 
 constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
-constexpr double slow = 1e4;          ///< duration of a segment that is led by stress [s]
+constexpr double slow = 1e4;  ///< duration of a segment that is led by stress [s]
 /// Calls of the law after which a test ends as one that fails: ordinary ones take 1000 to 5000. Parameters for which a test
 /// hardly moves on (a critical void ratio that falls to 0) would otherwise take minutes.
 constexpr long most_updates = 20000;

@@ -51,10 +51,9 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
   MistakesOf section(mistakes, {"numerics"});
   const Numerics& n = case_.numerics;
   if (is_affine(n.transfer) && n.shape_function == ShapeFunction::linear)
-    section.add("transfer", fmt::format("{} needs a smoother shape: with hat functions, nodes with almost no mass get "
-                                        "unbounded velocities; use shape = "
-                                        "\"quadratic\", or a transfer that is not affine",
-                                        word_of(n.transfer)));
+    section.add("transfer",
+                "needs a smoother shape: with hat functions, nodes with almost no mass get unbounded velocities; use "
+                "shape = \"quadratic\", or a transfer that is not affine");
   if (n.f_bar && n.average_pressure)
     section.add("average_pressure", "must be false with `f_bar`: it averages the rate of volume change as well");
   if (n.order == Order::musl && n.bulk_viscosity.value_or(0) > 0)

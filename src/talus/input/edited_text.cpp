@@ -48,19 +48,29 @@ bool names_a_file(std::string_view key) {
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t\n") == text.npos; }
 
-/// A TOML value with the quotes, spaces and digits that talus writes: equal values have equal texts, so equal hashes.
-std::string in_one_form(const std::string& toml_value) {
-  const Document document("a value", "value = " + toml_value);
+/// A value with the quotes, spaces and digits that talus writes: equal values have equal texts, so equal hashes.
+std::string in_one_form(const toml::node& node) {
+  std::vector<std::string> parts;
+  if (const toml::array* list = node.as_array()) {
+    for (const toml::node& item : *list) parts.push_back(in_one_form(item));
+    return parts.empty() ? "[]" : fmt::format("[ {} ]", fmt::join(parts, ", "));
+  }
   std::ostringstream formatted;
-  const auto flags = toml::toml_formatter::default_flags & ~toml::format_flags::allow_multi_line_strings;
-  document.root().get("value")->visit([&](const auto& value) { formatted << toml::toml_formatter(value, flags); });
-  std::string text;
-  for (const char c : formatted.str())  // long lists have lines
-    if (c != '\n')
-      text += c;
-    else if (!text.ends_with(' '))
-      text += ' ';
-  return text;
+  const auto write = [&formatted](const auto& value) {
+    formatted << toml::toml_formatter(
+        value, toml::toml_formatter::default_flags & ~toml::format_flags::allow_multi_line_strings);
+  };
+  if (const toml::table* table = node.as_table()) {
+    for (auto&& [key, value] : *table) {
+      formatted.str("");
+      write(toml::value<std::string>(std::string(key.str())));
+      parts.push_back(fmt::format("{} = {}", formatted.str(), in_one_form(value)));
+    }
+    return parts.empty() ? "{}" : fmt::format("{{ {} }}", fmt::join(parts, ", "));
+  }
+  if (const auto number = node.value_exact<double>()) return fmt::format("{}", *number);  // as few digits as tell it
+  node.visit(write);
+  return formatted.str();
 }
 
 }  // namespace
@@ -73,7 +83,8 @@ OverrideSeries read_override_series(std::string_view text) {
     if (is_blank(value) && !series.overrides.empty())
       throw InputError(fmt::format("--set {} has an empty value; write one comma between values", text));
     series.overrides.push_back(read_override(series.key + (equals < text.size() ? "=" : "") + value));
-    series.overrides.back().value = in_one_form(series.overrides.back().value);
+    std::string& last = series.overrides.back().value;
+    last = in_one_form(*Document("a value", "value = " + last).root().get("value"));
     value.clear();
   };
   int brackets = 0;

@@ -219,11 +219,12 @@ void expect_true_lengths(const std::string& projection, Vec<2> place, const std:
   const OGRSpatialReference its = from_wkt(projection);
   const std::optional<Distance> distance = its.IsProjected() ? distance_on_map(its, place) : std::nullopt;
   if (!distance || (std::abs(distance->east - 1) <= most && std::abs(distance->north - 1) <= most)) return;
-  throw std::runtime_error(fmt::format(
-      "{} is in {}, in which lengths are not those on the ground: at ({:.10g}, {:.10g}) a metre is {:.3g} m long towards "
-      "the east and {:.3g} m towards the north; project it: gdalwarp -t_srs {} IN OUT (vectors: ogr2ogr)",
-      path, name_of_projection(projection), std::round(place[0]), std::round(place[1]), distance->east, distance->north,
-      utm_at(distance->degrees)));
+  throw std::runtime_error(
+      fmt::format("{} is in {}, in which lengths are not those on the ground: at ({:.10g}, {:.10g}) a metre is {:.3g} "
+                  "m long towards "
+                  "the east and {:.3g} m towards the north; project it: gdalwarp -t_srs {} IN OUT (vectors: ogr2ogr)",
+                  path, name_of_projection(projection), std::round(place[0]), std::round(place[1]), distance->east,
+                  distance->north, utm_at(distance->degrees)));
 }
 
 std::string wkt_of(const OGRSpatialReference& projection) {

@@ -91,7 +91,7 @@ PlanRaster pixels_of(GDALDataset& data, const std::string& path, bool& down) {
 
 /// Reads the values into a raster; returns the pixels that hold NaN that is not the mark of no data.
 UnstatedNan read_values(GDALRasterBand& band, const std::string& path, bool down, PlanRaster& raster,
-                 const GeoLibrary& library) {
+                        const GeoLibrary& library) {
   const auto fail = [&] {
     throw std::runtime_error(fmt::format("{} cannot be read to its end; the file is damaged or incomplete{}", path,
                                          library.complaint().empty() ? "" : " (" + library.complaint() + ")"));

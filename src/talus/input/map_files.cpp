@@ -32,11 +32,13 @@ void expect_no_unstated_nan(const GeoRaster& read, const std::string& path) {
   const UnstatedNan& nan = read.unstated_nan;
   if (nan.n == 0) return;
   const Vec<2> at = read.raster.middle(nan.column, nan.row);
-  throw std::runtime_error(fmt::format(
-      "{} holds NaN in {} of {} pixels, such as at ({:.10g}, {:.10g}), and does not state that NaN marks places without "
-      "data; state it, if nothing lies there: gdalwarp -srcnodata nan -dstnodata -9999 IN OUT.tif; or fill these pixels: "
-      "gdal_fillnodata.py",
-      path, nan.n, read.raster.values.size(), at[0], at[1]));
+  throw std::runtime_error(
+      fmt::format("{} holds NaN in {} of {} pixels, such as at ({:.10g}, {:.10g}), and does not state that NaN marks "
+                  "places without "
+                  "data; state it, if nothing lies there: gdalwarp -srcnodata nan -dstnodata -9999 IN OUT.tif; or fill "
+                  "these pixels: "
+                  "gdal_fillnodata.py",
+                  path, nan.n, read.raster.values.size(), at[0], at[1]));
 }
 
 }  // namespace

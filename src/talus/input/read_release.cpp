@@ -167,10 +167,11 @@ void check_raster(Section& s, const MapFrame& frame, Release& release) {
                                               on_map(t.middle((*wrong)[0], (*wrong)[1]), frame)));
   if (const Enclosed gaps = release.outlines ? Enclosed{} : enclosed_gaps(t); gaps.n > 0)
     return s.complain(
-        key, fmt::format("has no data in {} pixel{} that the release surrounds, such as at {}; write {} there if nothing "
-                         "is released, or fill them: gdal_fillnodata.py IN OUT",
-                         gaps.n, gaps.n > 1 ? "s" : "", on_map(gaps.first, frame),
-                         key == "top" ? "the height below the release" : "0"));
+        key,
+        fmt::format("has no data in {} pixel{} that the release surrounds, such as at {}; write {} there if nothing "
+                    "is released, or fill them: gdal_fillnodata.py IN OUT",
+                    gaps.n, gaps.n > 1 ? "s" : "", on_map(gaps.first, frame),
+                    key == "top" ? "the height below the release" : "0"));
   for_each_pixel(t, [&](int column, int row) {
     if (!counts(column, row)) t.at(column, row) = std::max(t.at(column, row), 0.0);  // none stays none
   });

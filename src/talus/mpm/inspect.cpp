@@ -28,7 +28,8 @@ double ancestor_of(const Particles<Dim>& p, int i) {
 template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen) {
   const Particles<Dim>& p = body.particles;
-  const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(), last = first + std::size_t(p.size());
+  const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(),
+                    last = first + std::size_t(p.size());
   const auto put = [&](const Quantity& q, auto evaluate) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {

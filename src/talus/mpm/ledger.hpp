@@ -13,8 +13,8 @@ namespace talus {
 
 /// Where material has left a run, in plan (in 2D the second coordinate is the height).
 struct OutflowPlace {
-  double mass = 0;                       ///< [kg]
-  Vec<2> weighted{};                     ///< sum of mass times place [kg m]
+  double mass = 0;                                             ///< [kg]
+  Vec<2> weighted{};                                           ///< sum of mass times place [kg m]
   Vec<2> low{INFINITY, INFINITY}, high{-INFINITY, -INFINITY};  ///< the rectangle around all places [m]
 
   void add(double its_mass, const Vec<2>& x) { add({its_mass, its_mass * x, x, x}); }

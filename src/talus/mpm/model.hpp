@@ -49,7 +49,8 @@ double mass_of_all(const Particles<Dim>& p, Backend& backend) {
   long n = 0;
   for (int i = 0; i < p.size(); ++i) n += std::lround(p.mass()[i] / unit);
   constexpr long half = 1L << 32;  // doubles, of which messages consist, hold whole numbers up to 2^53
-  return unit * (double(sum_over_owners(backend, n / half)) * double(half) + double(sum_over_owners(backend, n % half)));
+  return unit *
+         (double(sum_over_owners(backend, n / half)) * double(half) + double(sum_over_owners(backend, n % half)));
 }
 
 /// Mean weight per volume of all bodies at the start [N/m3]. `volumes`: the largest volume per mass of each [m3/kg].

@@ -222,7 +222,8 @@ class Stepper final : public Simulation {
     return model_.over_tiles([&](int t, int, TileSums& sums) {
       if (!model_.has_particles(t)) return;
       for (const auto& body : model_.bodies)
-        for (const double energy : elastic_energies<Dim>(body, body.tiles[std::size_t(t)])) sums[Sum::elastic] += energy;
+        for (const double energy : elastic_energies<Dim>(body, body.tiles[std::size_t(t)]))
+          sums[Sum::elastic] += energy;
     })[Sum::elastic];
   }
 

@@ -55,7 +55,8 @@ std::vector<OutflowOnMap> outflow_on_map(const Case& case_, const Outflow& outfl
 }
 
 std::string in_words(const OutflowOnMap& place) {
-  const std::string middle = fmt::format("({:.10g}, {:.10g})", std::round(place.middle[0]), std::round(place.middle[1]));
+  const std::string middle =
+      fmt::format("({:.10g}, {:.10g})", std::round(place.middle[0]), std::round(place.middle[1]));
   if (place.side.empty())
     return fmt::format("{:.3g} % over ground without heights ({}), around {}, within {:.3g} m x {:.3g} m",
                        100 * place.share, place.name, middle, place.high[0] - place.low[0],
