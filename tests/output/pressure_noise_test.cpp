@@ -48,6 +48,13 @@ TEST(PressureNoise, OfAPressureThatJumpsUpAndDownIsTheJump) {
   EXPECT_NEAR(noise.shares()->within_cells, 0.15, 1e-12);
 }
 
+TEST(PressureNoise, WhatFallsFreelyHasNone) {
+  // A millionth of 1000 kg/m3 x 9.81 m/s2 x 39.24 mm is 0.385 mPa.
+  PressureNoise noise(falling());
+  read(noise, 20, [](int k) { return std::vector{tile(0, k % 2 == 0 ? 7e-4 : 0, 1, 1e-4)}; });
+  EXPECT_FALSE(noise.shares());
+}
+
 TEST(PressureNoise, GaugesCountByTheirVolume) {
   PressureNoise noise(falling());
   read(noise, 20, [](int) { return std::vector{tile(0, 100, 1, 50), tile(1, 100, 3, 10)}; });

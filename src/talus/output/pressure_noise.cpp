@@ -12,6 +12,8 @@ PressureNoise::PressureNoise(const Case& case_, std::span<const double> so_far) 
   if (!(g > 0)) return;
   interval_ = 0.5 * std::sqrt(case_.cell / g) / readings;
   least_speed_ = 0.1 * std::sqrt(case_.cell * g);
+  constexpr double density = 1000;  // about that of ground [kg/m3]
+  least_pressure_ = 1e-6 * density * g * case_.cell;
   if (so_far.empty()) return;
   const auto next = [&](std::size_t n) {
     const std::vector<double> row(so_far.begin(), so_far.begin() + std::ptrdiff_t(n));
@@ -55,10 +57,11 @@ void PressureNoise::add(double time, const std::vector<TilePressure>& tiles) {
   if (sums_.readings == readings) end_period();
 }
 
-/// Of gauges that were in the material all the period.
+/// Of gauges that were in the material all the period, and saw pressure.
 void PressureNoise::end_period() {
   for (const auto& [tile, g] : gauges_) {
     if (g.n < readings || !(g.speed2 / g.n >= least_speed_ * least_speed_)) continue;
+    if (!(g.p / g.n > least_pressure_)) continue;
     const double tt = g.tt - g.t * g.t / g.n, tp = g.tp - g.t * g.p / g.n, pp = g.pp - g.p * g.p / g.n;
     const double about_line = std::max(0.0, pp - tp * tp / tt) / (g.n - 2), volume = g.volume / g.n;
     sums_.noise += volume * std::sqrt(about_line);

@@ -51,8 +51,9 @@ class PressureNoise {
   };
   void end_period();
 
-  double interval_ = 0;     ///< between readings [s]
-  double least_speed_ = 0;  ///< of what flows [m/s]
+  double interval_ = 0;        ///< between readings [s]
+  double least_speed_ = 0;     ///< of what flows [m/s]
+  double least_pressure_ = 0;  ///< of material that carries something; the rest is rounding [Pa]
   Sums sums_;
   std::map<Index<3>, Gauge> gauges_;
 };
