@@ -45,7 +45,7 @@ std::string Progress::line(const Ledger& l, long n_particles) const {
 
 std::string Progress::live_line(const Ledger& l, long n_particles) const {
   const std::size_t columns = columns_of_stderr();
-  const std::string whole = line(l, n_particles);
+  std::string whole = line(l, n_particles);
   if (whole.size() < columns) return whole;
   const double done = l.time - from_time_, left = done > 0 ? seconds() * (end_ - l.time) / done : INFINITY;
   const std::string brief =

@@ -78,7 +78,7 @@ void doubt_surfaces(std::vector<std::string>& doubts, const Case& case_) {
 /// Whether a support is at a place: a side of the domain, a solid, another body.
 bool is_carried_at(const Vec<3>& x, const BodySpec& body, const Case& case_) {
   const int up = case_.dim - 1;
-  if (x[up] < case_.domain.min[up]) return case_.walls[std::size_t(2 * up)].kind != WallKind::outflow;
+  if (x[up] < case_.domain.min[up]) return case_.walls[2 * std::size_t(up)].kind != WallKind::outflow;
   for (const Solid& solid : case_.solids)
     if (solid.near(x, solid.motion.at(0), case_.dim).distance < 0) return true;
   for (const BodySpec& other : case_.bodies) {
