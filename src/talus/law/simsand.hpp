@@ -20,6 +20,8 @@
 /// - Angles are cut at 48 degrees, 2.97 - e at 0.001; see `friction.hpp`.
 /// - With zero pressure all deviatoric strain is plastic, so kappa keeps growing and contacts can come back by
 ///   dilatancy.
+///
+/// Option `hardening = "square_root"` replaces Eq. 6 by h = sqrt(kappa/(k_p + kappa)).
 
 #include <cmath>
 #include <numbers>
@@ -39,6 +41,16 @@ struct ConstantFriction {
   TALUS_HD ConstantFriction of_lane(int) const { return {}; }
 };
 
+/// Share h of the peak strength that contacts have mobilised after the plastic strain kappa.
+enum class HardeningRule {
+  hyperbolic,  ///< kappa/(k_p + kappa), Eq. 6
+  square_root  ///< its root, so that h grows with the root of small strains (Lade 1977, Int. J. Solids Struct. 13:1019)
+};
+inline constexpr Choice hardening_choices[] = {
+    {"hyperbolic", "kappa/(k_p + kappa) of the strength is mobilised (Eq. 6)"},
+    {"square_root", "the root of that: earlier at first, later near the peak; fits sand better, with a larger k_p"},
+};
+
 /// Parameters of SIMSAND (Table 2); call `prepare` after setting them.
 struct Simsand {
   double E0, nu, n;           ///< elasticity, Eq. 4
@@ -48,6 +60,8 @@ struct Simsand {
   LodeRule lode = LodeRule::sheng;
 
   double tan_phi_c, ln_e_ref;  ///< follow from the above
+
+  HardeningRule hardening_rule = HardeningRule::hyperbolic;
 
   TALUS_HD void prepare() {
     tan_phi_c = std::tan(phi_c);
@@ -127,7 +141,13 @@ struct Simsand {
   /// h. Eq. 6
   template <Number R>
   TALUS_HD R hardening(R kappa) const {
-    return kappa / (R(k_p) + kappa);
+    const R share = kappa / (R(k_p) + kappa);
+    return hardening_rule == HardeningRule::square_root ? sqrt(share) : share;
+  }
+  /// kappa that mobilises q/p = eta of M_p, with eta < M_p.
+  double kappa_that_carries(double eta, double M_p) const {
+    if (hardening_rule == HardeningRule::square_root) return k_p * eta * eta / ((M_p - eta) * (M_p + eta));
+    return k_p * eta / (M_p - eta);
   }
 
   // ---- what a law offers -----------------------------------------------------------------------------------------
@@ -200,7 +220,7 @@ struct Simsand {
   /// Horizontal over vertical stress at rest: Jaky 1944.
   double earth_pressure_at_rest() const { return 1 - std::sin(phi_c); }
 
-  /// The state under a given stress. Without kappa, the least that can carry it: kappa = k_p eta/(M_p - eta).
+  /// The state under a given stress. Without kappa, the least that can carry it.
   StateOrReason<State<double>> at_rest(const InitialState& initial) const;
 
   static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness is positive (Eq. 4)
@@ -226,7 +246,7 @@ inline StateOrReason<Simsand::State<double>> Simsand::at_rest(const InitialState
   if (!(eta < M_p))
     return "the stress ratio q/p = " + std::to_string(eta) +
            " is not below the peak ratio M_p = " + std::to_string(M_p) + "; no amount of hardening carries it";
-  const double least = k_p * eta / (M_p - eta);
+  const double least = kappa_that_carries(eta, M_p);
   if (!initial.kappa) state.kappa = least;
   if (state.kappa < least * (1 - 1e-9))
     return "kappa = " + std::to_string(state.kappa) + " cannot carry q/p = " + std::to_string(eta) +
@@ -266,6 +286,9 @@ inline std::span<const OptionOf<Simsand>> Simsand::options() {
       {{"lode", "how friction depends on the Lode angle", lode_choices},
        [](Simsand& l, int choice) { l.lode = LodeRule(choice); },
        [](const Simsand& l) { return int(l.lode); }},
+      {{"hardening", "how plastic strain mobilises the strength", hardening_choices},
+       [](Simsand& l, int choice) { l.hardening_rule = HardeningRule(choice); },
+       [](const Simsand& l) { return int(l.hardening_rule); }},
   };
   return table;
 }

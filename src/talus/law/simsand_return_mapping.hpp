@@ -53,7 +53,7 @@ struct ReturnPoint {
   R residual;        ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
   R q_trial, per_q;  ///< of the trial stress s_n + 2 G e, and 1 over it
   R lowering;        ///< ln(e_ref/e_c)
-  R per_root;        ///< 1 over the root of the quadratic's discriminant
+  R per_root;        ///< -1 over the derivative of (k_p + kappa_n + dk) f by d kappa: of F3, the root
 
   TALUS_HD R eta() const { return h * M_p; }  ///< q/p, where the point yields
 };
@@ -130,6 +130,11 @@ struct ReturnEquation {
       r.M_pt = risen * r.M_pt;
     }
 
+    if (law.hardening_rule == HardeningRule::square_root) {
+      mobilise_by_root(r);
+      r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
+      return r;
+    }
     // f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
     const R excess = two * max(r.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
@@ -145,6 +150,29 @@ struct ReturnEquation {
     return r;
   }
 
+  /// h, d kappa and 1/root where h = sqrt(kappa/(k_p + kappa)), so that kappa = k_p h^2/(1 - h^2). f = 0 reads
+  ///   g(h) = q_trial + 3 G kappa_n - p M_p h - 3 G k_p h^2/(1 - h^2) = 0.
+  /// g falls and is concave, so Newton's steps from above its root come down to it without passing it. Without one of
+  /// its two last terms g has a root above; the smaller of both is the start.
+  TALUS_HD void mobilise_by_root(ReturnPoint<R>& r) const {
+    const R zero = R(0.0), one = R(1.0), two = R(2.0), least = R(1e-100);
+    const R G3 = R(3.0) * r.G, strength = max(r.p * r.M_p, least), soft = G3 * R(law.k_p);
+    const R most = r.q_trial + G3 * kappa_n, h_n = law.hardening(kappa_n);
+    const mask_t<R> outside = r.q_trial > strength * h_n;
+    R h = min(most / strength, sqrt(most / max(most + soft, least)));
+    mask_t<R> open = outside;
+    for (int i = 0; i < 60 && any(open); ++i) {
+      const R w = one - h * h;
+      const R step = ((strength * h - most) * w + soft * h * h) * w / max(strength * w * w + two * soft * h, least);
+      h = select(open, max(h - step, zero), h);
+      open = open & (abs(step) > R(1e-14) * h);
+    }
+    r.h = select(outside, max(h, h_n), h_n);
+    r.dkappa = select(outside, max(r.q_trial - strength * r.h, zero) / max(G3, least), zero);
+    const R k = R(law.k_p) + kappa_n + r.dkappa;
+    r.per_root = two * r.h / max(two * r.h * G3 * k + strength * (one - r.h * r.h), least);
+  }
+
   /// Approximation of d residual/dx: where the point yields, at a constant Lode angle, M taken as proportional to the
   /// tangent of its angle.
   TALUS_HD R slope(const ReturnPoint<R>& r) const {
@@ -154,8 +182,12 @@ struct ReturnEquation {
     const R ddensity = R(-m * law.xi) * r.lowering * per_x;
     const R dstrength = r.M_p * (dp + R(law.n_p) * ddensity * r.p);
     const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG * r.per_q;
-    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * kappa) * r.per_root;
-    const R deta = r.eta() * R(law.n_p) * ddensity + (r.M_p - r.eta()) * ddkappa * per_k;
+    const bool by_root = law.hardening_rule == HardeningRule::square_root;
+    const R carried = by_root ? r.h * k : kappa;
+    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * carried) * r.per_root;
+    R by_kappa = (r.M_p - r.eta()) * ddkappa * per_k;
+    if (by_root) by_kappa = by_kappa * (one + r.h) / max(R(2.0) * r.h, R(1e-100));
+    const R deta = r.eta() * R(law.n_p) * ddensity + by_kappa;
     const R dM_pt = R(-law.n_d) * r.M_pt * ddensity;
     return one + trial.a * R(law.A_d) * ((dM_pt - deta) * r.dkappa + (r.M_pt - r.eta()) * ddkappa);
   }

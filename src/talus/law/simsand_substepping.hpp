@@ -24,6 +24,7 @@ struct SplitStrain {
 struct Change {
   SymTensor<double> s;
   double x, dkappa;
+  double ahead = 0;  ///< of kappa where this change predicts the end of a substep
 };
 
 /// The rates of elastoplasticity at one state.
@@ -90,23 +91,39 @@ struct Tangent {
     }
     return F_p * K * strain.D_v + 2 * G * double_dot(flow, strain.dev) + by_lode - F_e * (1 + e) * strain.D_v;
   }
-  /// Decrease of f with d kappa.
+  /// Hardening is integrated over kappa, or over its root where h grows with the root: dh/dkappa is infinite at 0 there.
+  TALUS_HD bool by_root() const { return law.hardening_rule == HardeningRule::square_root; }
+  /// Decrease of f with the variable of hardening.
   TALUS_HD double resistance() const {
     const double k = law.k_p + kappa;
+    if (by_root()) return 2 * sqrt(kappa) * (3 * G + F_p * K * dilatancy()) + p * peak.M * law.k_p / (k * sqrt(k));
     return 3 * G + F_p * K * dilatancy() + p * peak.M * law.k_p / (k * k);
   }
 
   TALUS_HD Change change(const SplitStrain& strain, double dkappa) const {
-    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa};
+    return {(2 * G) * (strain.dev - dkappa * flow), a * (strain.D_v - dilatancy() * dkappa), dkappa, dkappa};
   }
   TALUS_HD Change elastic(const SplitStrain& strain) const { return change(strain, 0); }
   TALUS_HD Change plastic(const SplitStrain& strain) const {
-    return change(strain, max(loading(strain) / resistance(), 0.0));
+    const double d = max(loading(strain) / resistance(), 0.0);
+    if (!by_root()) return change(strain, d);
+    Change c = change(strain, 2 * sqrt(kappa) * d);
+    c.ahead = c.dkappa + d * d;
+    return c;
+  }
+  /// Plastic flow at constant total strain that brings f to 0; none where that would need a negative kappa.
+  TALUS_HD Change back_to_surface() const {
+    const double d = yield() / resistance();
+    const double root = sqrt(kappa);
+    return change({SymTensor<double>::zero(), 0}, by_root() ? max(d, -root) * (2 * root + max(d, -root)) : d);
   }
 };
 
 TALUS_HD inline SubstepState after(const SubstepState& state, const Change& c, double e) {
   return {state.s + c.s, state.x + c.x, state.kappa + c.dkappa, e};
+}
+TALUS_HD inline SubstepState predicted(const SubstepState& state, const Change& c, double e) {
+  return {state.s + c.s, state.x + c.x, state.kappa + c.ahead, e};
 }
 
 /// Both stages of a modified Euler substep: the improved state, and its relative error in s/p, p and h.
@@ -121,7 +138,7 @@ TALUS_HD Heun heun(const Simsand& law, const SubstepState& from, const SplitStra
                    const Friction& friction) {
   const Tangent start(law, from, strain, friction);
   const Change first = yielding ? start.plastic(strain) : start.elastic(strain);
-  const SubstepState euler = after(from, first, e_new);
+  const SubstepState euler = predicted(from, first, e_new);
   if (!(euler.x > 0.1 * from.x)) return {from, 1, false};
   const Tangent end(law, euler, strain, friction);
   if (yielding && !(start.resistance() > 0 && end.resistance() > 0)) return {from, 1, false};
@@ -131,7 +148,10 @@ TALUS_HD Heun heun(const Simsand& law, const SubstepState& from, const SplitStra
   if (!(improved.x > 0.1 * from.x)) return {from, 1, false};
   const double in_s = 0.5 * von_mises(second.s - first.s) / end.p;
   const double in_p = 0.5 * law.exponent() * abs(second.x - first.x) / improved.x;
-  const double in_h = 0.5 * abs(second.dkappa - first.dkappa) / (law.k_p + improved.kappa);
+  const double k = law.k_p + improved.kappa;
+  // By root, the change of h where kappa is small: h misses as much as its prediction and the result differ.
+  const double in_h = start.by_root() ? abs(law.hardening(euler.kappa) - law.hardening(improved.kappa))
+                                      : 0.5 * abs(second.dkappa - first.dkappa) / k;
   return {improved, max(in_s, max(in_p, in_h)), true};
 }
 
@@ -143,8 +163,7 @@ TALUS_HD SubstepState correct_drift(const Simsand& law, SubstepState state, cons
     const Tangent t(law, state, strain, friction);
     const double f = t.yield();
     if (abs(f) <= 1e-12 * t.p || !(t.resistance() > 0)) break;
-    const Change back = t.change({SymTensor<double>::zero(), 0}, f / t.resistance());
-    const SubstepState corrected = after(state, back, state.e);
+    const SubstepState corrected = after(state, t.back_to_surface(), state.e);
     if (!(corrected.x > 0) || !(corrected.kappa >= 0)) break;
     state = corrected;
   }
@@ -282,7 +301,7 @@ TALUS_NOINLINE TALUS_HD Response<double> forward_euler(const Simsand& law, Simsa
   Response<double> response{double(yielding ? Outcome::plastic : Outcome::elastic), 0, 0, 0, 0, 0};
   response.plastic_work = (t.p * t.dilatancy() + t.q) * c.dkappa;
   if (p_new > 0) {
-    state = {stress_from(from.s + c.s, p_new), law.x_at(p_new), from.kappa + c.dkappa, trial.e};
+    state = {stress_from(from.s + c.s, p_new), law.x_at(p_new), from.kappa + c.ahead, trial.e};
     response.stiffness = law.wave_modulus(law.bulk_modulus(trial.a, p_new, state.x));
   } else {
     state = let_go(law, state, strain.D_v, trial, from.kappa + deviatoric_strain(strain.dev));
