@@ -1,6 +1,7 @@
 #pragma once
 /// Several owners of tiles in one process, each on a thread of its own: a back end for tests.
 
+#include <algorithm>
 #include <chrono>
 #include <condition_variable>
 #include <exception>
@@ -79,19 +80,36 @@ class SplitBackend final : public Backend {
   }
   int n_owners() const override { return place_.n_owners(); }
   int owner() const override { return owner_; }
+  /// Two owners, or an even number: ranges of about equal work in the order of the run. An odd number: every owner has every
+  /// n-th three tiles, so that none of them is compact.
+  std::vector<int> divide(int, const std::vector<int>&, const std::vector<long>& work) override {
+    std::vector<int> owners;
+    long all = 0, before = 0;
+    for (const long w : work) all += w;
+    for (const long w : work) {
+      const long in_range = before * n_owners() / std::max(1L, all), in_turn = long(owners.size()) / 3 % n_owners();
+      owners.push_back(int(n_owners() % 2 == 0 ? in_range : in_turn));
+      before += w;
+    }
+    return owners;
+  }
   std::vector<Message> exchange(std::vector<Message> messages) override {
     kept_ = messages[std::size_t(owner_)];
+    sent_.clear();
+    for (const Message& m : messages) sent_.insert(sent_.end(), m.begin(), m.end());
     return place_.exchange(owner_, std::move(messages));
   }
 
   /// What this owner has sent to itself in the last exchange: of what all gather, its own part.
   const Message& own_part() const { return kept_; }
+  /// All that this owner has sent in the last exchange.
+  const Message& sent() const { return sent_; }
 
  private:
   MeetingPlace& place_;
   int owner_;
   std::unique_ptr<Backend> threads_;
-  Message kept_;
+  Message kept_, sent_;
 };
 
 /// Runs f(backend) for every owner at the same time. Returns what each has thrown; null where nothing.

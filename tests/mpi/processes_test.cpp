@@ -13,6 +13,7 @@
 #include "app/program.hpp"
 #include "folder_of_its_own.hpp"
 #include "talus/output/checkpoint.hpp"
+#include "talus/output/snapshot.hpp"
 
 namespace processes_test {
 
@@ -90,19 +91,32 @@ State state_in(const fs::path& folder) {
     ::talus::SavedRun saved = ::talus::read_checkpoint(file);
     if (saved.number > last.number) last = std::move(saved);
   }
-  return last.state;
+  return last.state();
 }
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
 }
 
+/// Whether two snapshots have the same particles, bit by bit. The order of datasets in the files may differ.
+bool same_snapshots(const fs::path& a, const fs::path& b) {
+  const ::talus::Observation one = ::talus::read_snapshot(a), other = ::talus::read_snapshot(b);
+  if (one.time != other.time || one.step != other.step || one.fields.size() != other.fields.size()) return false;
+  for (const ::talus::Field& f : one.fields) {
+    const ::talus::Field* its = f.name == "position" ? &other.fields[0] : other.find(f.name);
+    if (!its || its->unit != f.unit || its->meaning != f.meaning || its->components != f.components ||
+        !same_bits(f.values, its->values))
+      return false;
+  }
+  return true;
+}
+
 /// What is not the same, bit by bit, in two folders of results; empty if nothing.
 std::string difference(const fs::path& a, const fs::path& b) {
   for (const auto& entry : fs::directory_iterator(a)) {
     const fs::path name = entry.path().filename();
-    if (name.extension() != ".csv" && name.extension() != ".hdf") continue;
-    if (contents(entry.path()) != contents(b / name)) return name.string();
+    if (name.extension() == ".csv" && contents(entry.path()) != contents(b / name)) return name.string();
+    if (name.extension() == ".hdf" && !same_snapshots(entry.path(), b / name)) return name.string();
   }
   const State one = state_in(a), other = state_in(b);
   if (one.size() != other.size() || one.empty()) return "arrays of checkpoints";
@@ -256,7 +270,7 @@ TEST_F(Processes, ReportAnErrorOfTheRunOnce) {
   ASSERT_NE(at, one.output.npos) << one.output;
   EXPECT_TRUE(has(broken.output, one.output.substr(at, one.output.find("The last good", at) - at))) << broken.output;
   EXPECT_TRUE(has(broken.output, "mpirun -n 3 ")) << "the command that shows it again\n" << broken.output;
-  EXPECT_EQ(contents(in("one/failure.hdf")), contents(in("out/failure.hdf")));
+  EXPECT_TRUE(same_snapshots(in("one/failure.hdf"), in("out/failure.hdf")));
 }
 
 TEST_F(Processes, StopAtSigtermWithOneCheckpoint) {

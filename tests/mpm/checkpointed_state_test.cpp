@@ -7,11 +7,10 @@
 #include <map>
 #include <span>
 
+#include "mpm/saved_state.hpp"
 #include "mpm/small_model.hpp"
 
 namespace talus::checkpointed_state_test {
-
-using Saved = std::map<std::string, std::vector<double>>;
 
 /// A model of three particles on a floor that rubs, which has been through something.
 struct Used {
@@ -27,23 +26,20 @@ struct Used {
     domain.walls[2] = Wall(WallKind::friction, 0.5, true);
     return domain;
   }
-  Saved save() const {
-    Saved all;
-    talus::save(small.model, ledger, tally, carried, [&](const std::string& name, std::span<const double> values) {
-      EXPECT_TRUE(all.emplace(name, std::vector<double>(values.begin(), values.end())).second) << name << " twice";
-    });
+  SavedState save() const {
+    const std::vector<StateArray> arrays = talus::save(small.model, ledger, tally, carried);
+    SavedState all = in_memory(arrays);
+    EXPECT_EQ(all.size(), arrays.size()) << "a name twice";
     return all;
   }
-  void restore(const Saved& saved) {
-    talus::restore(small.model, ledger, tally, carried, [&](const std::string& name) { return saved.at(name); });
-  }
+  void restore(const SavedState& saved) { talus::restore(small.model, ledger, tally, carried, reader_of(saved)); }
 };
 
 TEST(CheckpointedState, IsEveryColumnOfEveryBodyTheTilesAndTheLedger) {
   Used run;
   run.ledger.step = 7;
   run.carried.drift = 0.05;
-  const Saved saved = run.save();
+  const SavedState saved = run.save();
   EXPECT_EQ(saved.at("ledger"), image_of(run.ledger));
   EXPECT_EQ(saved.at("carried")[0], 0.05);
   EXPECT_EQ(saved.at("tiles"), (std::vector<double>{0, 0, 1, 1, 1, 1, 2, 0, 1, 1, 1, 1}))
@@ -63,7 +59,7 @@ TEST(CheckpointedState, ARunOfTheSameCaseGoesOnFromIt) {
   run.carried.last_dt = 0.25;
   run.small.particles().velocity(0)[2] = 4;
   run.small.model.contacts[1].push_back(closed_contact(6, 2, true));
-  const Saved saved = run.save();
+  const SavedState saved = run.save();
   EXPECT_EQ(saved.at("closed contacts"), (std::vector<double>{1, 6, 2, 1}));
   other.restore(saved);
   EXPECT_EQ(other.ledger.kinetic, 3);
@@ -77,7 +73,7 @@ TEST(CheckpointedState, ARunOfTheSameCaseGoesOnFromIt) {
 
 TEST(CheckpointedState, OfAnotherRunIsRefused) {
   Used run;
-  Saved saved = run.save();
+  SavedState saved = run.save();
   saved.at("body 0: mass 0").pop_back();
   EXPECT_THROW(run.restore(saved), std::runtime_error);
   saved = run.save();

@@ -8,6 +8,7 @@
 
 #include "law/parameter_sets.hpp"
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 #include "talus/mpm/simulation.hpp"
@@ -484,11 +485,8 @@ TEST(Solids, ContactsGiveTheSameBitsOnAnyNumberOfThreadsAndAfterAStop) {
   const auto unbroken = make_simulation(what, *one), other = make_simulation(what, *three),
              resumed = make_simulation(what, *three);
   for (int i = 0; i < 150; ++i) unbroken->step();
-  std::map<std::string, std::vector<double>> saved;
-  unbroken->save([&](const std::string& name, std::span<const double> values) {
-    saved[name] = {values.begin(), values.end()};
-  });
-  resumed->restore([&](const std::string& name) { return saved.at(name); });
+  const SavedState saved = in_memory(unbroken->save());
+  resumed->restore(reader_of(saved));
   for (int i = 0; i < 150; ++i) {
     unbroken->step();
     resumed->step();

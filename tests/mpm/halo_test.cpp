@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numeric>
 #include <random>
 
@@ -19,29 +20,29 @@ std::vector<Tile<2>> row_of(int n) {
   return tiles_at<2, Quadratic>(places);
 }
 
-TEST(OwnersOf, SplitTheWorkInStretchesOfTheOccupiedTiles) {
-  EXPECT_EQ((owners_of<2>({}, {10, 10, 10, 10}, 2)), (std::vector<int>{0, 0, 1, 1}));
-  EXPECT_EQ((owners_of<2>({}, {10, 10, 10, 10}, 1)), (std::vector<int>{0, 0, 0, 0}));
-  EXPECT_EQ((owners_of<2>({}, {30, 5, 5}, 2)), (std::vector<int>{0, 1, 1})) << "the first has most of the work";
-  EXPECT_EQ((owners_of<2>({}, {1, 1}, 5)), (std::vector<int>{0, 2})) << "the others have nothing";
-  EXPECT_EQ((owners_of<2>({}, {0, 0}, 2)), (std::vector<int>{0, 0}));
+/// Owners of twelve tiles in equal ranges.
+std::vector<int> ranges_of_twelve(int n_owners) {
+  std::vector<int> owners;
+  for (int t = 0; t < 12; ++t) owners.push_back(t * n_owners / 12);
+  return owners;
 }
 
 TEST(OwnersOf, GiveAnEmptyTileToTheFirstOccupiedOneAroundIt) {
   const auto tiles = row_of(4);
-  const auto owners = owners_of(tiles, {1, 1, 1, 1}, 4);
+  const auto owners = owners_of(tiles, {0, 1, 2, 3});
   for (std::size_t t = 0; t < tiles.size(); ++t)
     EXPECT_EQ(owners[t], tiles[t].occupied ? tiles[t].place[0] : std::max(0, tiles[t].place[0] - 1)) << t;
 }
 
 TEST(HeldBy, AnOwnerHoldsItsTilesAndThreeRingsAroundThem) {
   const auto tiles = row_of(12);
-  const auto owners = owners_of(tiles, std::vector<long>(12, 1), 2);
+  const auto owners = owners_of(tiles, ranges_of_twelve(2));
   const auto first = held_by(0, tiles, owners), second = held_by(1, tiles, owners);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
     // Occupied tiles 0 to 5 and empty ones up to 6 are the first owner's; of the second they begin at 6, empty ones at 7.
-    EXPECT_EQ(bool(first[t]), tiles[t].place[0] <= (owners[t] == 0 ? 99 : 9)) << tiles[t].place[0];
-    EXPECT_EQ(bool(second[t]), tiles[t].place[0] >= 3) << tiles[t].place[0];
+    EXPECT_EQ(std::count(first.begin(), first.end(), int(t)), tiles[t].place[0] <= (owners[t] == 0 ? 99 : 9))
+        << tiles[t].place[0];
+    EXPECT_EQ(std::count(second.begin(), second.end(), int(t)), tiles[t].place[0] >= 3) << tiles[t].place[0];
   }
 }
 
@@ -67,7 +68,7 @@ TEST(KeepHeld, OfASingleOwnerEverythingStaysAsItIs) {
 
 TEST(KeepHeld, TilesKeepTheirNumberInTheRunAndKnowTheirNeighboursHere) {
   const auto all = row_of(12);
-  const auto owners = owners_of(all, std::vector<long>(12, 1), 2);
+  const auto owners = owners_of(all, ranges_of_twelve(2));
   for (const int o : {0, 1}) {
     auto tiles = all;
     std::vector<CellRange<2>> cells(12, all_cells<2>());
@@ -95,33 +96,44 @@ TEST(KeepHeld, TilesKeepTheirNumberInTheRunAndKnowTheirNeighboursHere) {
   }
 }
 
-TEST(KeepHeld, WhatOneOwnerSendsTheOtherReceivesInTheSameOrder) {
-  const auto all = row_of(12);
-  const auto owners = owners_of(all, std::vector<long>(12, 1), 3);
+/// What every one of three owners has of a row of twelve tiles.
+std::vector<Halo> halos_of(const std::vector<Tile<2>>& all, const std::vector<int>& owners) {
   std::vector<Halo> halos;
   for (int o = 0; o < 3; ++o) {
     auto tiles = all;
     std::vector<CellRange<2>> cells(12, all_cells<2>());
     halos.push_back(keep_held(tiles, cells, owners, Owner(o, 3)));
   }
-  const auto in_run = [&](int o, const std::vector<int>& held) {
-    std::vector<long> numbers;
-    for (const int t : held) numbers.push_back(halos[std::size_t(o)].number[std::size_t(t)]);
-    return numbers;
-  };
-  for (int from = 0; from < 3; ++from)
-    for (int to = 0; to < 3; ++to)
-      EXPECT_EQ(in_run(from, halos[std::size_t(from)].sends[std::size_t(to)]),
-                in_run(to, halos[std::size_t(to)].receives[std::size_t(from)]));
-  EXPECT_EQ(in_run(0, halos[0].sends[1]), (std::vector<long>{1, 2, 3})) << "the second has tiles 4 to 7";
-  EXPECT_EQ(in_run(0, halos[0].sends[2]), (std::vector<long>{})) << "the third owner is too far away";
+  return halos;
+}
+/// Numbers in the run of tiles that an owner holds.
+std::vector<long> in_run(const Halo& halo, const std::vector<int>& held) {
+  std::vector<long> numbers;
+  for (const int t : held) numbers.push_back(halo.number[std::size_t(t)]);
+  return numbers;
+}
+
+TEST(KeepHeld, WhatOneOwnerSendsTheOtherReceivesInTheSameOrder) {
+  const auto all = row_of(12);
+  // In ranges, in turn, and with a part of one owner between two of another.
+  for (const std::vector<int>& of_occupied :
+       {ranges_of_twelve(3), {0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2}, {0, 0, 0, 0, 0, 1, 0, 2, 2, 2, 2, 2}}) {
+    const std::vector<Halo> halos = halos_of(all, owners_of(all, of_occupied));
+    for (std::size_t from = 0; from < 3; ++from)
+      for (std::size_t to = 0; to < 3; ++to)
+        EXPECT_EQ(in_run(halos[from], halos[from].sends[to]), in_run(halos[to], halos[to].receives[from]))
+            << from << " to " << to;
+  }
+  const std::vector<Halo> halos = halos_of(all, owners_of(all, ranges_of_twelve(3)));
+  EXPECT_EQ(in_run(halos[0], halos[0].sends[1]), (std::vector<long>{1, 2, 3})) << "the second has tiles 4 to 7";
+  EXPECT_EQ(in_run(halos[0], halos[0].sends[2]), (std::vector<long>{})) << "the third owner is too far away";
 }
 
 TEST(ExchangeWindows, TheHaloHasTheWindowsOfItsOwners) {
   run_as_owners(3, [](SplitBackend& backend) {
     auto tiles = row_of(12);
     std::vector<CellRange<2>> cells(12, all_cells<2>());
-    const auto owners = owners_of(tiles, std::vector<long>(12, 1), 3);
+    const auto owners = owners_of(tiles, ranges_of_twelve(3));
     const Halo halo = keep_held(tiles, cells, owners, backend);
     TileArray<MassMomentum, 49> windows;
     windows.resize(int(cells.size()));

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "mpm/loads.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 #include "talus/mpm/simulation.hpp"
@@ -168,16 +169,13 @@ TEST(LoadsOnRubber, GiveTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
     const auto loop = make_openmp(threads);
     const auto s = make_simulation(what, *loop);
     run_until(*s, 0.05);
-    if (threads == 2)
-      s->save([&](const std::string& name, std::span<const double> values) {
-        half_way.emplace(name, std::vector<double>(values.begin(), values.end()));
-      });
+    if (threads == 2) half_way = in_memory(s->save());
     run_until(*s, 0.1);
     ledgers.push_back(image_of(s->ledger()));
   }
   const auto loop = make_openmp(3);
   const auto resumed = make_simulation(what, *loop);
-  resumed->restore([&](const std::string& name) { return half_way.at(name); });
+  resumed->restore(reader_of(half_way));
   run_until(*resumed, 0.1);
   ledgers.push_back(image_of(resumed->ledger()));
   for (const auto& l : ledgers) EXPECT_EQ(l, ledgers[0]);

@@ -30,7 +30,7 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
     const auto all = gather(backend, occupied_tiles(bodies, domain));
     EXPECT_EQ(all.places, (std::vector<Index<2>>{{0, 0}, {1, 0}}));
     EXPECT_EQ(all.work, (std::vector<long>{3 * bodies[0].cost, 3 * bodies[0].cost})) << "of all owners and bodies";
-    move_to_owners(backend, bodies, domain, all, {0, 1});
+    move_to_owners(backend, bodies, domain, all, {0, 1}, {});
     const Particles<2>& p = bodies[0].particles;
     const std::vector<double> ids(p.id(), p.id() + p.size());
     EXPECT_EQ(ids, first ? (std::vector<double>{0, 1, 3}) : (std::vector<double>{2, 4})) << "owner by owner";
@@ -39,16 +39,45 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
   });
 }
 
-TEST(Migration, CellsOfTilesAreThoseOfAllOwnersOneAfterTheOther) {
-  run_as_owners(3, [](SplitBackend& backend) {
-    std::vector<CellRange<2>> own;  // as many as the owner's number
-    for (int i = 0; i < backend.owner(); ++i) own.push_back({{backend.owner(), i}, {3, -1}});
-    const auto all = gather(backend, own);
-    ASSERT_EQ(all.size(), 3u);
-    EXPECT_EQ(all[0].low, (Index<2>{1, 0}));
-    EXPECT_EQ(all[1].low, (Index<2>{2, 0}));
-    EXPECT_EQ(all[2].low, (Index<2>{2, 1}));
-    EXPECT_EQ(all[2].high, (Index<2>{3, -1}));
+TEST(Migration, ParticlesArriveInTheOrderOfTheTilesThatTheyComeFrom) {
+  // Of three tiles in a row the first owner has had the first and the third; all particles are in the second one now.
+  run_as_owners(2, [](SplitBackend& backend) {
+    const bool first = backend.owner() == 0;
+    std::vector<Body<2>> bodies;
+    bodies.push_back(
+        {"", 1, LinearElastic{1, 0},
+         particles_at<2>(first ? std::vector<Vec<2>>{{5, 1}, {6, 1}, {5, 2}} : std::vector<Vec<2>>{{5, 3}}),
+         first ? std::vector<TileParticles>{{0, 2}, {2, 3}} : std::vector<TileParticles>{{0, 1}}});
+    for (int i = 0; i < bodies[0].particles.size(); ++i) bodies[0].particles.id()[i] = first ? (i < 2 ? i : 3) : 2;
+    Halo before;
+    before.number = first ? std::vector<long>{0, 2} : std::vector<long>{1};
+    const Domain<2> domain = unit_cells<2>(12);
+    const auto all = gather(backend, occupied_tiles(bodies, domain));
+    move_to_owners(backend, bodies, domain, all, {1}, before);
+    const Particles<2>& p = bodies[0].particles;
+    EXPECT_EQ(std::vector<double>(p.id(), p.id() + p.size()),
+              first ? std::vector<double>{} : (std::vector<double>{0, 1, 2, 3}));
+  });
+}
+
+TEST(Migration, CellsOfTilesAreThoseOfAllOwnersInTheOrderOfTheRun) {
+  run_as_owners(2, [](SplitBackend& backend) {
+    // Of three tiles the second owner has that in the middle.
+    OccupiedTiles<2> all, own;
+    for (int i = 0; i < 3; ++i) {
+      all.add({i, 0}, 1);
+      if ((i == 1) == (backend.owner() == 1)) own.add({i, 0}, 1);
+    }
+    all.sort();
+    own.sort();
+    std::vector<CellRange<2>> cells_of_own;
+    for (const Index<2>& place : own.places) cells_of_own.push_back({{place[0], 1}, {3, -1}});
+    const auto cells = gather(backend, all, own, cells_of_own);
+    ASSERT_EQ(cells.size(), 3u);
+    for (std::size_t t = 0; t < 3; ++t) {
+      EXPECT_EQ(cells[t].low, (Index<2>{all.places[t][0], 1}));
+      EXPECT_EQ(cells[t].high, (Index<2>{3, -1}));
+    }
   });
 }
 

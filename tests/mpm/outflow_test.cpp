@@ -6,6 +6,7 @@
 #include <map>
 
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 
@@ -64,12 +65,9 @@ TEST_P(Outflow, ARunGoesOnWithoutAnyParticlesLeft) {
   EXPECT_EQ(s->observe().n_particles(), 0);
   for (const Vec<3>& x : s->places().places) ASSERT_TRUE(std::isnan(x[0]));
 
-  std::map<std::string, std::vector<double>> saved;
-  s->save([&](const std::string& name, std::span<const double> values) {
-    saved.emplace(name, std::vector<double>(values.begin(), values.end()));
-  });
+  const SavedState saved = in_memory(s->save());
   const auto resumed = make_simulation(what, *loop);
-  resumed->restore([&](const std::string& name) { return saved.at(name); });
+  resumed->restore(reader_of(saved));
   EXPECT_EQ(resumed->n_particles(), 0);
   resumed->step();
   s->step();
@@ -203,9 +201,7 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
     run_until(*s, middle);
     if (threads == 1) {
       EXPECT_LT(s->n_particles(), 30 * 80);
-      s->save([&](const std::string& name, std::span<const double> values) {
-        half_way.emplace(name, std::vector<double>(values.begin(), values.end()));
-      });
+      half_way = in_memory(s->save());
     }
     run_until(*s, end);
     seen.push_back(s->observe());
@@ -214,7 +210,7 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
   const auto loop = make_openmp(2);
   const auto resumed = make_simulation(what, *loop);
   run_until(*resumed, end);  // has lost more than what it is put back to
-  resumed->restore([&](const std::string& name) { return half_way.at(name); });
+  resumed->restore(reader_of(half_way));
   run_until(*resumed, end);
   seen.push_back(resumed->observe());
   ledgers.push_back(resumed->ledger());
@@ -224,7 +220,7 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
       EXPECT_EQ(seen[k].fields[f].values, seen[0].fields[f].values) << k << " " << seen[0].fields[f].name;
   }
   half_way["body 0: position 0"].resize(100'000);
-  EXPECT_THROW(resumed->restore([&](const std::string& name) { return half_way.at(name); }), std::runtime_error);
+  EXPECT_THROW(resumed->restore(reader_of(half_way)), std::runtime_error);
 }
 
 }  // namespace talus::mpm_outflow_test

@@ -7,17 +7,15 @@
 #include <numbers>
 #include <optional>
 #include <set>
-#include <span>
 
 #include "backend/split_backend.hpp"
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/mpm/inspect.hpp"
 
 namespace talus::owners_test {
-
-/// What `save` hands out.
-using Saved = std::map<std::string, std::vector<double>>;
 
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
@@ -25,7 +23,7 @@ bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
 
 /// All that can be seen of a run after some steps.
 struct Result {
-  Saved saved;
+  SavedState saved;
   std::vector<double> ledger;
   Observation seen;
   ParticlePlaces places;
@@ -40,9 +38,9 @@ struct Result {
 class Run {
  public:
   /// `before`: what the run is restored from, if anything.
-  Run(const Case& case_, Backend& backend, const Saved* before = nullptr)
+  Run(const Case& case_, Backend& backend, const SavedState* before = nullptr)
       : backend_(backend), simulation_(make_simulation(case_, backend)) {
-    if (before) simulation_->restore([&](const std::string& name) { return before->at(name); });
+    if (before) simulation_->restore(reader_of(*before));
   }
 
   Result after(int n_steps) {
@@ -61,20 +59,43 @@ class Run {
     out.pressures = simulation_->pressures();
     for (const long id : {0L, 17L, 63L, 1000000L}) out.descriptions.push_back(simulation_->describe(id));
     out.seen = simulation_->observe();
+    expect_same_in_parts(out.seen);
     return out;
   }
 
  private:
+  /// What all owners observe of their parts, one after the other, is what is observed of all.
+  void expect_same_in_parts(const Observation& seen) {
+    const ObservedPart part = simulation_->observe_part({"velocity", "mass"});
+    EXPECT_EQ(part.n_all, std::size_t(seen.n_particles()));
+    EXPECT_EQ(part.seen.fields.size(), 4u) << "with the positions and ids";
+    for (const Field& f : part.seen.fields) {
+      const std::vector<Message> parts = backend_.gather(f.values);
+      EXPECT_TRUE(same_bits(joined(parts), seen.find(f.name)->values)) << f.name;
+      std::size_t before = 0;
+      for (int o = 0; o < backend_.owner(); ++o) before += parts[std::size_t(o)].size();
+      EXPECT_EQ(part.first * std::size_t(f.components), before);
+    }
+  }
+
   /// Also finds which particles this owner has.
-  Saved save(std::vector<std::set<long>>& own) {
-    Saved all;
+  SavedState save(std::vector<std::set<long>>& own) {
+    SavedState all;
     const auto* split = dynamic_cast<const SplitBackend*>(&backend_);
-    simulation_->save([&](const std::string& name, std::span<const double> values) {
-      all.emplace(name, std::vector<double>(values.begin(), values.end()));
-      if (!name.ends_with(": id 0")) return;
-      const std::vector<double> ids = split ? split->own_part() : all.at(name);
-      own.emplace_back(ids.begin(), ids.end());
-    });
+    for (const StateArray& array : simulation_->save()) {
+      const std::vector<double> part = array.part();
+      if (array.name.ends_with(": id 0")) {
+        const std::vector<double> ids = split ? split->sent() : part;
+        own.emplace_back(ids.begin(), ids.end());
+      }
+      const std::vector<Message> parts = backend_.gather(part);
+      std::size_t before = 0;
+      for (int o = 0; o < backend_.owner(); ++o) before += parts[std::size_t(o)].size();
+      if (!part.empty()) {
+        EXPECT_EQ(array.first, before) << array.name;
+      }
+      all[array.name] = joined(parts);
+    }
     return all;
   }
 
@@ -90,12 +111,12 @@ int steps_until(const Case& case_, double time) {
   return int(s->ledger().step);
 }
 
-Result of_one_owner(const Case& case_, int n_steps, const Saved* before = nullptr) {
+Result of_one_owner(const Case& case_, int n_steps, const SavedState* before = nullptr) {
   const auto serial = make_serial();
   return Run(case_, *serial, before).after(n_steps);
 }
 
-std::vector<Result> of_owners(int n_owners, const Case& case_, int n_steps, const Saved* before = nullptr,
+std::vector<Result> of_owners(int n_owners, const Case& case_, int n_steps, const SavedState* before = nullptr,
                               int n_threads = 1) {
   std::vector<Result> all(static_cast<std::size_t>(n_owners));
   const auto thrown = run_as_owners(
@@ -434,6 +455,18 @@ TEST(Owners, HaveTheBitsOfOneWhenParticlesAreSplitAndMerged) {
   for (const Result& owner : of_owners(2, what, 40, nullptr, 3)) EXPECT_EQ(difference(one, owner), "");
 }
 
+TEST(Owners, HaveTheBitsOfOneWhenParticlesOfTwoBodiesAreSplit) {
+  Case what = block_that_is_split();
+  what.bodies.push_back(what.bodies[0]);
+  what.bodies[1].region = Box{{2.0, 0, 0}, {3.0, 0.6, 0.6}};
+  const Result one = expect_same_bits(what, 40, "two split bodies", {2, 3, 5});
+  const std::vector<double>&ids = one.seen.find("id")->values, &body = one.seen.find("body")->values;
+  std::vector<int> n_new(2, 0);
+  for (std::size_t i = 90; i < ids.size(); ++i) ++n_new[std::size_t(body[i])];
+  EXPECT_GT(n_new[0], 0);
+  EXPECT_GT(n_new[1], 0);
+}
+
 TEST(Owners, MayBeWithoutAParticle) {
   // All of the block is in one tile.
   Case what = running_block(Kind::plane_strain);
@@ -459,7 +492,7 @@ TEST(Owners, GoOnFromWhatAnyNumberOfThemHasSaved) {
                            }()}) {
     const int before = 17, after = 16;
     const Result unbroken = of_one_owner(what, before + after);
-    const Saved by_one = of_one_owner(what, before).saved, by_two = of_owners(2, what, before)[1].saved;
+    const SavedState by_one = of_one_owner(what, before).saved, by_two = of_owners(2, what, before)[1].saved;
     EXPECT_EQ(difference(unbroken, of_one_owner(what, after, &by_two)), "") << "2 -> 1";
     for (const Result& owner : of_owners(5, what, after, &by_two))
       EXPECT_EQ(difference(unbroken, owner), "") << "2 -> 5";

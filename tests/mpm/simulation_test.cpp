@@ -8,6 +8,7 @@
 #include <map>
 
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
@@ -335,20 +336,17 @@ TEST_P(InBothDimensions, ARunPutBackWhereItWasSavedGoesOnByTheSameBitsOnAnotherN
   what.bodies[1].region = GetParam() == 2 ? Box{{0, 0.2, 0}, {0.4, 0.5, 0}} : Box{{0, 0, 0.2}, {0.4, 0.2, 0.5}};
   const auto one = make_serial(), three = make_openmp(3);
   const auto unbroken = make_simulation(what, *one);
-  std::map<std::string, std::vector<double>> saved;
+  SavedState saved;
   // Saved at instants that lie anywhere between two sortings of the particles, into a run that has gone elsewhere.
   for (int steps : {0, 7, 61, 40, 101}) {
     for (int i = 0; i < steps; ++i) unbroken->step();
-    saved.clear();
-    unbroken->save([&](const std::string& name, std::span<const double> values) {
-      EXPECT_TRUE(saved.emplace(name, std::vector<double>(values.begin(), values.end())).second) << name;
-    });
+    saved = in_memory(unbroken->save());
     const auto resumed = make_simulation(what, *three);
     for (int i = 0; i < 3; ++i) resumed->step();
-    resumed->restore([&](const std::string& name) { return saved.at(name); });
+    resumed->restore(reader_of(saved));
     EXPECT_EQ(resumed->next_dt(), unbroken->next_dt());
     const auto ahead = make_simulation(what, *one);
-    ahead->restore([&](const std::string& name) { return saved.at(name); });
+    ahead->restore(reader_of(saved));
     for (int i = 0; i < 60; ++i) resumed->step();
     for (int i = 0; i < 60; ++i) ahead->step();
     for (int i = 0; i < 60; ++i) unbroken->step();
@@ -363,7 +361,7 @@ TEST_P(InBothDimensions, ARunPutBackWhereItWasSavedGoesOnByTheSameBitsOnAnotherN
     }
   }
   saved["body 1: mass 0"].pop_back();
-  EXPECT_THROW(unbroken->restore([&](const std::string& name) { return saved.at(name); }), std::runtime_error);
+  EXPECT_THROW(unbroken->restore(reader_of(saved)), std::runtime_error);
 }
 
 // ---- softer than asked for, to go faster -------------------------------------------------------------------------

@@ -8,14 +8,13 @@
 #include <span>
 
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "mpm/small_model.hpp"
 #include "talus/base/error.hpp"
 #include "talus/mpm/checkpointed_state.hpp"
 #include "talus/mpm/make_stepper.hpp"
 
 namespace talus::step_test {
-
-using Saved = std::map<std::string, std::vector<double>>;
 
 /// One elastic particle of 1 kg on 16 x 16 unit cells: waves travel at sqrt(1000 Pa/(1 kg/m3)).
 struct OneParticle {
@@ -40,13 +39,7 @@ struct OneParticle {
                                             numerics, *serial, solids);
     return *simulation;
   }
-  Saved save() const {
-    Saved all;
-    simulation->save([&](const std::string& name, std::span<const double> values) {
-      all.emplace(name, std::vector<double>(values.begin(), values.end()));
-    });
-    return all;
-  }
+  SavedState save() const { return in_memory(simulation->save()); }
   Carried carried() const {
     Carried c;
     set_from_image(c, save().at("carried"));
@@ -94,11 +87,11 @@ TEST(Step, IsAsLongAsItWasSaidToBeAndAsWavesParticlesAndSolidsAllow) {
 TEST(Step, AfterARestartGrowsByAFifthAtMost) {
   OneParticle before, after;
   before.start().step();
-  Saved saved = before.save();
+  SavedState saved = before.save();
   ASSERT_EQ(saved.at("carried")[3], before.simulation->ledger().dt) << "the length of the last step";
   saved.at("carried")[3] = 1e-3;
   Simulation& s = after.start();
-  s.restore([&](const std::string& name) { return saved.at(name); });
+  s.restore(reader_of(saved));
   EXPECT_EQ(s.ledger().step, 1);
   EXPECT_NEAR(s.next_dt(), 1.2e-3, 1e-17);
 }

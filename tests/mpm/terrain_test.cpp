@@ -11,6 +11,7 @@
 #include "backend/split_backend.hpp"
 #include "mpm/accounts.hpp"
 #include "mpm/cases.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/base/image.hpp"
 
@@ -568,11 +569,8 @@ TEST(Avalanche, GoesOnAfterAStopAsIfThereHadBeenNone) {
   const Result expected = after_steps(case_, *loop);
   const auto first = make_simulation(case_, *loop), second = make_simulation(case_, *loop);
   for (int i = 0; i < n_steps / 2; ++i) first->step();
-  std::map<std::string, std::vector<double>> saved;
-  first->save([&](const std::string& name, std::span<const double> values) {
-    saved[name] = {values.begin(), values.end()};
-  });
-  second->restore([&](const std::string& name) { return saved.at(name); });
+  const SavedState saved = in_memory(first->save());
+  second->restore(reader_of(saved));
   for (int i = n_steps / 2; i < n_steps; ++i) second->step();
   EXPECT_TRUE(result_of(*second) == expected);
 }

@@ -1,10 +1,12 @@
 #include "talus/app/processes.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <csignal>
 #include <optional>
+#include <sstream>
 #include <type_traits>
 #include <utility>
 
@@ -14,6 +16,7 @@
 #include "talus/base/image.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/input/read.hpp"
+#include "talus/output/snapshot.hpp"
 
 namespace talus {
 
@@ -31,7 +34,9 @@ enum class Request {
   describe,  ///< number of the particle
   next_dt,
   save,
-  restore,  ///< then the arrays that the simulation reads
+  fill_state,  ///< then the name of the file
+  snapshot,    ///< then name and fields
+  restore,     ///< then the arrays that the simulation reads, piece by piece
   load,
   last_words,  ///< then the text
   disconnect,
@@ -70,6 +75,51 @@ std::unique_ptr<Simulation> make_part(Transport& transport, const Case* case_of_
   return make_simulation(case_of_first ? *case_of_first : own->case_, backend);
 }
 
+/// Writes the parts of all processes into a checkpoint.
+void fill_state_together(Transport& transport, const std::string& file, const std::vector<StateArray>& arrays) {
+  const std::unique_ptr<SharedFile> shared = transport.open_shared(file);
+  for (const StateArray& array : arrays) shared->write("state/" + array.name, array.first, 1, array.part());
+  shared->close();
+  transport.gather({});  // all have written
+}
+
+/// Writes a snapshot of all processes. Returns why it cannot be written, in process 0; empty if it is.
+std::string write_snapshot_together(Transport& transport, Simulation& simulation, const std::string& file,
+                                    const std::vector<std::string>& fields) {
+  const ObservedPart part = simulation.observe_part(fields);
+  std::optional<UnfilledSnapshot> snapshot;
+  std::string why;
+  if (transport.process() == 0) try {
+      snapshot.emplace(file, part, fields);
+    } catch (const std::exception& e) {
+      why = e.what();
+    }
+  const std::string unfinished = unpacked(transport.broadcast(packed(snapshot ? snapshot->file().string() : "")));
+  if (unfinished.empty()) return why;
+  const std::unique_ptr<SharedFile> shared = transport.open_shared(unfinished);
+  fill_snapshot(part, fields, [&](const std::string& dataset, std::size_t first, int components, const auto& values) {
+    shared->write(dataset, first, components, values);
+  });
+  shared->close();
+  transport.gather({});  // all have written
+  if (snapshot) try {
+      snapshot->finish();
+    } catch (const std::exception& e) {
+      why = e.what();
+    }
+  return why;
+}
+
+Message packed_lines(const std::vector<std::string>& lines) {
+  return packed(fmt::format("{}", fmt::join(lines, "\n")));
+}
+std::vector<std::string> unpacked_lines(const Message& message) {
+  std::istringstream text(unpacked(message));
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(text, line);) lines.push_back(line);
+  return lines;
+}
+
 /// The simulation of all processes, as process 0 sees it.
 class SharedSimulation final : public Simulation {
  public:
@@ -88,8 +138,14 @@ class SharedSimulation final : public Simulation {
   const Ledger& ledger() const override { return own_->ledger(); }
   const StepTally& tally() const override { return own_->tally(); }
   const std::vector<SurfaceAccount>& surfaces() const override { return own_->surfaces(); }
-  Observation observe() override {
-    return together(Request::observe, [&] { return own_->observe(); });
+  Observation observe(const std::vector<std::string>& fields) override {
+    return together(Request::observe, [&] {
+      transport_.broadcast(packed_lines(fields));
+      return own_->observe(fields);
+    });
+  }
+  ObservedPart observe_part(const std::vector<std::string>&) override {
+    throw std::logic_error("processes observe their parts when they write them");
   }
   ParticlePlaces places() const override {
     return together(Request::places, [&] { return own_->places(); });
@@ -111,24 +167,34 @@ class SharedSimulation final : public Simulation {
   double next_dt() const override {
     return together(Request::next_dt, [&] { return own_->next_dt(); });
   }
-  void save(const WriteArray& write) const override {
-    std::exception_ptr failure;  // the others go on handing out their parts
-    together(Request::save, [&] {
-      own_->save([&](const std::string& name, std::span<const double> values) {
-        if (!failure) try {
-            write(name, values);
-          } catch (...) {
-            failure = std::current_exception();
-          }
-      });
+  std::vector<StateArray> save() const override {
+    arrays_ = together(Request::save, [&] { return own_->save(); });
+    std::vector<StateArray> arrays = arrays_;
+    for (StateArray& array : arrays)
+      array.part = []() -> std::vector<double> { throw std::logic_error("processes write their parts together"); };
+    return arrays;
+  }
+  /// Writes what was saved last, once.
+  void fill(const std::string& file) const {
+    together(Request::fill_state, [&] {
+      transport_.broadcast(packed(file));
+      fill_state_together(transport_, file, arrays_);
     });
-    if (failure) std::rethrow_exception(failure);
+    arrays_.clear();
+  }
+  void write_snapshot(const std::string& file, const std::vector<std::string>& fields) {
+    const std::string why = together(Request::snapshot, [&] {
+      transport_.broadcast(packed(file));
+      transport_.broadcast(packed_lines(fields));
+      return write_snapshot_together(transport_, *own_, file, fields);
+    });
+    if (!why.empty()) throw std::runtime_error(why);
   }
   void restore(const ReadArray& read) override {
     together(Request::restore, [&] {
-      own_->restore([&](const std::string& name) {
+      own_->restore([&](const std::string& name, std::size_t first, std::size_t n) {
         try {
-          Message values = read(name);
+          Message values = read(name, first, n);
           values.push_back(0);  // no error
           values = transport_.broadcast(std::move(values));
           values.pop_back();
@@ -172,6 +238,7 @@ class SharedSimulation final : public Simulation {
 
   Transport& transport_;
   std::unique_ptr<Simulation> own_;
+  mutable std::vector<StateArray> arrays_;  ///< of process 0, as saved last
 };
 
 /// A process that does its part of what process 0 orders.
@@ -184,15 +251,23 @@ class Follower {
     const Message order = transport_.broadcast({});
     switch (Request(int(order.at(0)))) {
       case Request::make: make(int(order.at(1))); break;
-      case Request::destroy: simulation_.reset(); break;
+      case Request::destroy:
+        arrays_.clear();
+        simulation_.reset();
+        break;
       case Request::step: simulation_->step(); break;
-      case Request::observe: simulation_->observe(); break;
+      case Request::observe: simulation_->observe(unpacked_lines(transport_.broadcast({}))); break;
       case Request::places: simulation_->places(); break;
       case Request::flow: simulation_->flow(); break;
       case Request::pressures: simulation_->pressures(); break;
       case Request::describe: simulation_->describe(long(order.at(1))); break;
       case Request::next_dt: simulation_->next_dt(); break;
-      case Request::save: simulation_->save([](const std::string&, std::span<const double>) {}); break;
+      case Request::save: arrays_ = simulation_->save(); break;
+      case Request::fill_state:
+        fill_state_together(transport_, unpacked(transport_.broadcast({})), arrays_);
+        arrays_.clear();
+        break;
+      case Request::snapshot: write_snapshot(); break;
       case Request::restore: restore(); break;
       case Request::load: transport_.gather(load_of(*simulation_, transport_)); break;
       case Request::last_words: transport_.set_last_words(unpacked(transport_.broadcast({}))); break;
@@ -208,8 +283,13 @@ class Follower {
     backend_ = make_backend_of_processes(transport_, threads);
     simulation_ = make_part(transport_, nullptr, file, text, *backend_);
   }
+  void write_snapshot() {
+    const std::string file = unpacked(transport_.broadcast({}));
+    const std::vector<std::string> fields = unpacked_lines(transport_.broadcast({}));
+    write_snapshot_together(transport_, *simulation_, file, fields);
+  }
   void restore() {
-    simulation_->restore([&](const std::string&) {
+    simulation_->restore([&](const std::string&, std::size_t, std::size_t) {
       Message values = transport_.broadcast({});
       if (values.back() != 0) throw InputError("process 0 cannot read the checkpoint");
       values.pop_back();
@@ -220,6 +300,7 @@ class Follower {
   Transport& transport_;
   std::unique_ptr<Backend> backend_;
   std::unique_ptr<Simulation> simulation_;
+  std::vector<StateArray> arrays_;  ///< as saved last
 };
 
 }  // namespace
@@ -278,6 +359,20 @@ std::unique_ptr<Simulation> Processes::make_simulation(const Case& case_, const 
   transport_->broadcast(packed(case_file));
   transport_->broadcast(packed(case_text));
   return std::make_unique<SharedSimulation>(*transport_, make_part(*transport_, &case_, case_file, case_text, backend));
+}
+
+void Processes::write_snapshot(Simulation& simulation, const std::filesystem::path& file,
+                               const std::vector<std::string>& fields) const {
+  if (auto* shared = dynamic_cast<SharedSimulation*>(&simulation))
+    shared->write_snapshot(file.string(), fields);
+  else
+    talus::write_snapshot(file, simulation.observe(), fields);
+}
+
+FillArrays Processes::fill_of(const Simulation& simulation) const {
+  const auto* shared = dynamic_cast<const SharedSimulation*>(&simulation);
+  if (!shared) return {};
+  return [shared](const std::filesystem::path& file) { shared->fill(file.string()); };
 }
 
 void Processes::set_command_to_resume(const std::string& command) {

@@ -4,11 +4,14 @@
 /// Process 0 reads the input, controls the run, prints and writes. The other processes execute the same calls of the
 /// simulation on their part of it.
 
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "talus/backend/processes.hpp"
 #include "talus/mpm/simulation.hpp"
+#include "talus/output/checkpoint.hpp"
 
 namespace talus {
 
@@ -33,6 +36,12 @@ class Processes {
   /// files that it names.
   std::unique_ptr<Simulation> make_simulation(const Case& case_, const std::string& case_file,
                                               const std::string& case_text, Backend& backend);
+
+  /// Writes a snapshot of a simulation, all processes their parts of it. Throws std::runtime_error if it cannot be written.
+  void write_snapshot(Simulation& simulation, const std::filesystem::path& file,
+                      const std::vector<std::string>& fields) const;
+  /// Writes the parts of all processes into a checkpoint; empty for one process.
+  FillArrays fill_of(const Simulation& simulation) const;
 
   /// Command that the processes print when one of them is killed.
   void set_command_to_resume(const std::string& command);

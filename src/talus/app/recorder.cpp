@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "talus/app/processes.hpp"
 #include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
 #include "talus/case/defaults.hpp"
@@ -25,7 +26,7 @@ namespace {
 /// The checkpoints of a run; a new one gets its first, so that there is one as soon as there are results.
 Checkpoints checkpoints_of(const Task& task, const RunSoFar& so_far, const Simulation& simulation) {
   Checkpoints checkpoints(task.folder, task.saved ? &*task.saved : nullptr);
-  if (!task.saved) checkpoints.write(so_far, simulation);
+  if (!task.saved) checkpoints.write(so_far, simulation, processes().fill_of(simulation));
   return checkpoints;
 }
 
@@ -93,10 +94,19 @@ void Recorder::record(Simulation& simulation, bool is_end) {
     if (snapshot) profiles_.add(t, outline.surface);
   }
   if (!snapshot && !picture) return;
-  Observation seen = simulation.observe();
+  const bool is_shared = processes().n() > 1;
+  Observation seen;
+  if (!is_shared || picture) seen = simulation.observe(is_shared ? pictures_.fields() : std::vector<std::string>{});
   if (picture) pictures_.add(seen);
   if (picture && maps_.any()) maps_.write_instant(t, simulation.flow());
-  if (snapshot) snapshots_.add(std::move(seen));
+  if (snapshot && is_shared) {
+    seen = {};
+    snapshots_.add(t, [&](const std::filesystem::path& file) {
+      processes().write_snapshot(simulation, file, *case_.output.fields);
+    });
+  } else if (snapshot) {
+    snapshots_.add(std::move(seen));
+  }
 }
 
 bool Recorder::checkpoint_is_due(const Simulation& simulation) {
@@ -127,7 +137,7 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   so_far_.profile = maps_.profile_state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
-  checkpoints_.write(so_far_, simulation);
+  checkpoints_.write(so_far_, simulation, processes().fill_of(simulation));
   checkpoint_at_ = clock_.wall_seconds();
 }
 

@@ -139,7 +139,6 @@ RunSoFar Run::restore_or_claim_folder() {
           "a "
           "new run in another folder");
     task_.saved->restore(*simulation_);
-    task_.saved->state.clear();                // as large as the particles
     fs::remove(task_.folder / "failure.hdf");  // is written again if the run fails again
     fs::remove_all(task_.folder / "failure");
     if (so_far.time < case_.end) so_far.resumed_at.push_back(so_far.time);
@@ -189,7 +188,7 @@ void Run::record_failure(const RunError& e) {
   failure_ = Failure{e.what(), simulation_->ledger().step, simulation_->ledger().time, e.particle()};
   recorder_.snapshots().finish();
   const fs::path snapshot = task_.folder / "failure.hdf";
-  write_snapshot(snapshot, simulation_->observe(), *case_.output.fields);
+  processes().write_snapshot(*simulation_, snapshot, *case_.output.fields);
   summary_.failure =
       fmt::format("{}\nThe last good snapshot is {}; the state at the failure is in {}. The last checkpoint is {}.",
                   e.what(), recorder_.snapshots().last().string(), snapshot.string(), recorder_.last_checkpoint());

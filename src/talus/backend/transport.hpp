@@ -2,6 +2,7 @@
 /// How the processes of a run exchange messages. libtalus_mpi.so implements it with MPI; talus itself links no MPI and loads
 /// that library only if a launcher has started several processes.
 
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -15,10 +16,26 @@ struct Traffic {
   long n_messages = 0, n_bytes = 0;
 };
 
+/// Largest work of a process over the mean at which tiles are divided again.
+inline constexpr double most_imbalance = 1.1;
+
 /// Another process of the run has reported an error, with this message.
 class ReportedElsewhere : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
+};
+
+/// An HDF5 file that exists, into which all processes write. A failure ends the program in all of them, with exit code 3: the
+/// others could wait for ever.
+class SharedFile {
+ public:
+  virtual ~SharedFile() = default;
+  /// Writes rows of a dataset from row `first` on, `components` numbers in each. All processes call it with the same dataset,
+  /// each with other rows, or none.
+  virtual void write(const std::string& dataset, std::size_t first, int components,
+                     const std::vector<double>& values) = 0;
+  /// Returns when the numbers of this process are on the disk.
+  virtual void close() = 0;
 };
 
 /// All processes call the same functions in the same order, on the thread that has connected them. After a failure, reported
@@ -31,13 +48,17 @@ class Transport {
   virtual int process() const = 0;  ///< the number of this one, from 0
   virtual int n_on_this_machine() const = 0;
 
-  /// As in Backend.
+  /// As in Backend. `divide` keeps the owners of the call before, extended to other tiles, as long as none of them has more
+  /// than `most_imbalance` times the mean work.
+  virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) = 0;
   virtual std::vector<Message> exchange(std::vector<Message> messages) = 0;
   virtual std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) = 0;
   virtual std::vector<Message> gather(const Message& message) = 0;
   virtual std::vector<Message> gather_at_first(const Message& message) = 0;
   /// The message of process 0.
   virtual Message broadcast(Message message) = 0;
+
+  virtual std::unique_ptr<SharedFile> open_shared(const std::string& file) = 0;
 
   /// Reports an error that the other processes do not know of, and that the run cannot survive.
   virtual void fail(const std::string& text) = 0;

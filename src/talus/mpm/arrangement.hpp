@@ -16,7 +16,7 @@ template <int Dim>
 struct RunTiles {
   std::vector<Index<Dim>> places;
   std::vector<CellRange<Dim>> cells;
-  std::vector<long> work;  ///< as Body::cost
+  std::vector<int> owners;
 };
 
 /// A closed contact, of any owner.
@@ -87,7 +87,7 @@ void deal_out_tiles(Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
-  const std::vector<int> owners = owners_of(tiles, run.work, m.backend.n_owners());
+  const std::vector<int> owners = owners_of(tiles, run.owners);
   m.halo = keep_held(tiles, run.cells, owners, m.backend);
   for (auto& body : m.bodies) {
     std::vector<TileParticles> ranges(run.cells.size());
@@ -146,14 +146,14 @@ void arrange(Model<Dim, Shape>& m) {
   wrap_periodic(m.bodies, m.domain);
   measure_costs(m);
   OccupiedTiles<Dim> own = occupied_tiles(m.bodies, m.domain);
-  RunTiles<Dim> run{own.places, {}, own.work};
+  RunTiles<Dim> run{own.places, {}, std::vector<int>(own.places.size(), 0)};
   if (m.backend.n_owners() > 1) {
     OccupiedTiles<Dim> all = gather(m.backend, own);
     add_work_of_nodes<Dim, Shape>(all.work);
-    const std::vector<int> owners = owners_of<Dim>({}, all.work, m.backend.n_owners());
-    move_to_owners(m.backend, m.bodies, m.domain, all, owners);
+    run = {all.places, {}, divide<Dim>(m.backend, all.places, all.work)};
+    move_to_owners(m.backend, m.bodies, m.domain, all, run.owners, m.halo);
     own = occupied_tiles(m.bodies, m.domain);
-    run = {all.places, gather(m.backend, sort_by_cell(m.bodies, m.domain, own, m.backend)), all.work};
+    run.cells = gather(m.backend, all, own, sort_by_cell(m.bodies, m.domain, own, m.backend));
   } else {
     run.cells = sort_by_cell(m.bodies, m.domain, own, m.backend);
   }

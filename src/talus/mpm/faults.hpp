@@ -15,25 +15,42 @@ namespace talus {
 /// The particle that a message names, among those of all owners.
 struct Culprit {
   long id = -1;
-  std::string text;  ///< its description
+  std::string text;      ///< its description
+  double tile = 0;       ///< number of its tile in the run
+  std::size_t body = 0;  ///< its body's number
 
-  /// The first one found, over all owners.
+  /// That of all owners which a single owner finds first: body by body, tile by tile.
   static Culprit first_of(Backend& backend, const Culprit& own) {
-    const std::string all = gather(backend, own.text.empty() ? "" : fmt::format("{}\n{}", own.id, own.text));
+    Message place;
+    if (!own.text.empty()) place = {double(own.body), own.tile};
+    Message first;
+    for (const Message& other : backend.gather(place))
+      if (!other.empty() && (first.empty() || other < first)) first = other;
+    const bool is_own = !place.empty() && place == first;  // a tile has one owner
+    const std::string all = gather(backend, is_own ? fmt::format("{}\n{}", own.id, own.text) : "");
     if (all.empty()) return {};
     const auto end = all.find('\n');
     return {std::stol(all.substr(0, end)), all.substr(end + 1)};
   }
 };
 
+/// A particle of this owner; `body`: the number of its body.
+template <int Dim, class Shape>
+Culprit culprit_at(const Model<Dim, Shape>& m, std::size_t body, int particle) {
+  const Body<Dim>& its = m.bodies[body];
+  return {long(its.particles.id()[particle]), describe<Dim>(its, particle),
+          tile_numbers<Dim>(its, m.halo, m.backend)[std::size_t(particle)], body};
+}
+
 /// Throws a RunError with the state of the first particle for which `is_bad` is true.
 template <int Dim, class Shape, class F>
 [[noreturn]] void stop(const Model<Dim, Shape>& m, const Ledger& ledger, const std::string& fault, F is_bad,
                        const std::string& advice = "") {
-  for (const auto& body : m.bodies) {
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    const Body<Dim>& body = m.bodies[b];
     Culprit own;
     for (int i = 0; i < body.particles.size() && own.text.empty(); ++i)
-      if (is_bad(body, i)) own = {long(body.particles.id()[i]), describe<Dim>(body, i)};
+      if (is_bad(body, i)) own = culprit_at(m, b, i);
     const Culprit first = Culprit::first_of(m.backend, own);
     if (first.text.empty()) continue;
     throw RunError(fmt::format("{}: at t = {:.6g} s, step {}, dt = {:.3g} s\n{}{}", fault, ledger.time, ledger.step,
@@ -105,15 +122,16 @@ template <int Dim, class Shape>
 template <int Dim, class Shape>
 [[noreturn]] void stop_at_short_step(const Model<Dim, Shape>& m, const Ledger& ledger, double dt, double wave_speed,
                                      double viscosity) {
-  const Body<Dim>* at = nullptr;
-  int particle = 0;
+  std::size_t at = 0;
+  int particle = -1;
   double most = -1;
-  for (const auto& body : m.bodies) {
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    const Body<Dim>& body = m.bodies[b];
     const Particles<Dim>& p = body.particles;
     const auto blame = [&](double speed, int i) {
       if (!(speed > most)) return;
       most = speed;
-      at = &body;
+      at = b;
       particle = i;
     };
     const FastestWave wave = fastest_wave<Dim>(body, m.numerics.integration);
@@ -127,7 +145,7 @@ template <int Dim, class Shape>
   double most_of_all = most;
   for (const Message& other : m.backend.gather({most})) most_of_all = std::max(most_of_all, other[0]);
   Culprit own;
-  if (at && most == most_of_all) own = {long(at->particles.id()[particle]), describe(*at, particle)};
+  if (particle >= 0 && most == most_of_all) own = culprit_at(m, at, particle);
   const Culprit first = Culprit::first_of(m.backend, own);
   const std::string text = fmt::format(
       "the time step has collapsed to {:.3g} s at t = {:.6g} s, step {}: wave speed {:.4g} m/s, "

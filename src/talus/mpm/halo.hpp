@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "talus/mpm/backend.hpp"
+#include "talus/mpm/data/body.hpp"
 #include "talus/mpm/data/grid.hpp"
 #include "talus/mpm/surface_accounts.hpp"
 #include "talus/mpm/tile_sums.hpp"
@@ -30,46 +31,47 @@ struct Halo {
   std::vector<std::vector<int>> sends, receives;  ///< occupied tiles to and from every owner, as held here
 };
 
-/// The owner of every tile of a run: occupied tiles in ranges of about equal work, each empty tile with the first
-/// occupied tile around it. `work`: of each occupied tile.
+/// The owner of every tile of a run: each empty tile belongs to that of the first occupied tile around it.
+/// `of_occupied`: owners of the occupied tiles, which come first.
 template <int Dim>
-std::vector<int> owners_of(const std::vector<Tile<Dim>>& tiles, const std::vector<long>& work, int n_owners) {
-  std::vector<int> owners(std::max(tiles.size(), work.size()), 0);
-  long all = 0, before = 0;
-  for (long w : work) all += w;
-  for (std::size_t t = 0; t < work.size(); ++t) {
-    owners[t] = int(std::min<long>(n_owners - 1, before * n_owners / std::max(1L, all)));
-    before += work[t];
-  }
-  for (std::size_t t = work.size(); t < tiles.size(); ++t) {
+std::vector<int> owners_of(const std::vector<Tile<Dim>>& tiles, const std::vector<int>& of_occupied) {
+  std::vector<int> owners = of_occupied;
+  for (std::size_t t = of_occupied.size(); t < tiles.size(); ++t) {
     int first = int(tiles.size());
     for (int other : tiles[t].neighbours)
-      if (other >= 0 && other < int(work.size())) first = std::min(first, other);
-    owners[t] = owners[std::size_t(first)];
+      if (other >= 0 && other < int(of_occupied.size())) first = std::min(first, other);
+    owners.push_back(of_occupied[std::size_t(first)]);
   }
   return owners;
 }
 
-/// Whether each tile of a run is in reach of the tiles of an owner.
+/// Some tiles and three rings of tiles around them, each once. `marks`: one number per tile; that of each tile found is set
+/// to `mark`, which none has before.
 template <int Dim>
-std::vector<char> held_by(int owner, const std::vector<Tile<Dim>>& tiles, const std::vector<int>& owners) {
-  std::vector<char> held(tiles.size());
-  std::vector<int> edge;
-  for (std::size_t t = 0; t < tiles.size(); ++t)
-    if (owners[t] == owner) {
-      held[t] = true;
-      edge.push_back(int(t));
-    }
+std::vector<int> with_rings(std::vector<int> tiles_within, const std::vector<Tile<Dim>>& tiles, std::vector<int>& marks,
+                            int mark) {
+  for (const int t : tiles_within) marks[std::size_t(t)] = mark;
+  std::size_t begin = 0;
   for (int ring = 0; ring < halo_tiles; ++ring) {
-    std::vector<int> next;
-    for (int t : edge)
-      for (int other : tiles[std::size_t(t)].neighbours)
-        if (other >= 0 && !held[std::size_t(other)]) {
-          held[std::size_t(other)] = true;
-          next.push_back(other);
+    const std::size_t end = tiles_within.size();
+    for (; begin < end; ++begin)
+      for (const int other : tiles[std::size_t(tiles_within[begin])].neighbours)
+        if (other >= 0 && marks[std::size_t(other)] != mark) {
+          marks[std::size_t(other)] = mark;
+          tiles_within.push_back(other);
         }
-    edge = std::move(next);
   }
+  return tiles_within;
+}
+
+/// The tiles of a run that an owner holds, in their order.
+template <int Dim>
+std::vector<int> held_by(int owner, const std::vector<Tile<Dim>>& tiles, const std::vector<int>& owners) {
+  std::vector<int> own, marks(tiles.size(), 0);
+  for (std::size_t t = 0; t < tiles.size(); ++t)
+    if (owners[t] == owner) own.push_back(int(t));
+  std::vector<int> held = with_rings(std::move(own), tiles, marks, 1);
+  std::sort(held.begin(), held.end());
   return held;
 }
 
@@ -87,20 +89,23 @@ Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells
   }
   halo.sends.resize(std::size_t(n_owners));
   halo.receives.resize(std::size_t(n_owners));
-  const std::vector<char> held = held_by(own, tiles, owners);
   std::vector<int> local(tiles.size(), -1);
-  for (std::size_t t = 0; t < tiles.size(); ++t)
-    if (held[t]) {
-      local[t] = int(halo.number.size());
-      halo.number.push_back(long(t));
-    }
-  for (int o = 0; o < n_owners; ++o) {
+  std::vector<std::vector<int>> of_others(static_cast<std::size_t>(n_owners));  // tiles held, by owner
+  for (const int t : held_by(own, tiles, owners)) {
+    local[std::size_t(t)] = int(halo.number.size());
+    halo.number.push_back(t);
+    const int o = owners[std::size_t(t)];
     if (o == own) continue;
-    const std::vector<char> by_other = held_by(o, tiles, owners);
-    for (std::size_t t = 0; t < cells.size(); ++t) {
-      if (owners[t] == own && by_other[t]) halo.sends[std::size_t(o)].push_back(local[t]);
-      if (owners[t] == o && held[t]) halo.receives[std::size_t(o)].push_back(local[t]);
-    }
+    of_others[std::size_t(o)].push_back(t);
+    if (tiles[std::size_t(t)].occupied) halo.receives[std::size_t(o)].push_back(local[std::size_t(t)]);
+  }
+  // Another owner holds what is in reach of its tiles; those of them that reach a tile of this owner are held here.
+  std::vector<int> marks(tiles.size(), -1);
+  for (int o = 0; o < n_owners; ++o) {
+    std::vector<int>& sends = halo.sends[std::size_t(o)];
+    for (const int t : with_rings(std::move(of_others[std::size_t(o)]), tiles, marks, o))
+      if (owners[std::size_t(t)] == own && tiles[std::size_t(t)].occupied) sends.push_back(local[std::size_t(t)]);
+    std::sort(sends.begin(), sends.end());
   }
   std::vector<Tile<Dim>> kept;
   std::vector<CellRange<Dim>> kept_cells;
@@ -138,6 +143,16 @@ void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
     for (std::size_t i = 0; i < halo.receives[o].size(); ++i)
       std::memcpy(static_cast<void*>(windows.of(halo.receives[o][i])), &received[o][i * numbers],
                   numbers * sizeof(double));
+}
+
+/// Number in the run of the tile of each of a body's particles; before particles are in tiles, the owner's number, as owners
+/// then have consecutive particles.
+template <int Dim>
+std::vector<double> tile_numbers(const Body<Dim>& body, const Halo& halo, const Backend& backend) {
+  std::vector<double> numbers(std::size_t(body.particles.size()), double(backend.owner()));
+  for (std::size_t t = 0; t < body.tiles.size(); ++t)
+    std::fill(numbers.begin() + body.tiles[t].begin, numbers.begin() + body.tiles[t].end, double(halo.number[t]));
+  return numbers;
 }
 
 /// Adds the sums of tiles in the order of the run, first within blocks of tiles, then over blocks, so that the owner of

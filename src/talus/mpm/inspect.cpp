@@ -26,11 +26,17 @@ double ancestor_of(const Particles<Dim>& p, int i) {
 }  // namespace
 
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen) {
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen,
+                  const std::vector<std::string>& fields) {
   const Particles<Dim>& p = body.particles;
   const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(),
                     last = first + std::size_t(p.size());
+  const auto is_wanted = [&](std::string_view name) {
+    return fields.empty() || name == "position" || name == "id" ||
+           std::find(fields.begin(), fields.end(), name) != fields.end();
+  };
   const auto put = [&](const Quantity& q, auto evaluate) {
+    if (!is_wanted(q.name)) return;
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
       seen.fields.push_back({std::string(q.name), std::string(q.unit), std::string(q.meaning), q.components, {}});
@@ -73,6 +79,46 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
       },
       body.law);
   for (Field& f : seen.fields) f.values.resize(last * std::size_t(f.components), unknown);
+}
+
+ObservedPart share_out(Backend& backend, Observation own) {
+  const std::vector<double> ids = own.find("id")->values;
+  const std::size_t n_owners = std::size_t(backend.n_owners());
+  double last = 0;
+  for (const double id : ids) last = std::max(last, id);
+  last = largest_of_owners(backend, last);
+  std::vector<std::vector<std::size_t>> rows(n_owners);  // of this owner's particles, by the owner of their part
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    rows[std::min(n_owners - 1, std::size_t(ids[i] / (last + 1) * double(n_owners)))].push_back(i);
+  const auto messages_of = [&](const std::vector<double>& values, std::size_t n) {
+    std::vector<Message> messages(n_owners);
+    for (std::size_t o = 0; o < n_owners; ++o) {
+      messages[o].reserve(rows[o].size() * n);
+      for (const std::size_t i : rows[o])
+        messages[o].insert(messages[o].end(), values.data() + i * n, values.data() + (i + 1) * n);
+    }
+    return messages;
+  };
+  const std::vector<Message> ids_of_part = backend.exchange(messages_of(ids, 1));
+  const RowsOfIds order(joined(ids_of_part));
+  ObservedPart part;
+  int owner = 0;
+  for (const Message& size : backend.gather({double(order.size())})) {
+    if (owner++ < backend.owner()) part.first += std::size_t(size.front());
+    part.n_all += std::size_t(size.front());
+  }
+  for (Field& f : own.fields) {
+    const std::size_t n = std::size_t(f.components);
+    std::vector<std::size_t> sizes;
+    for (const Message& of_owner : ids_of_part) sizes.push_back(of_owner.size() * n);
+    const std::vector<Message> all = backend.exchange_sized(messages_of(f.values, n), sizes);
+    f.values.assign(order.size() * n, unknown);
+    for (std::size_t o = 0; o < n_owners; ++o)
+      for (std::size_t i = 0; i < ids_of_part[o].size(); ++i)
+        std::copy_n(&all[o][i * n], n, &f.values[order.row(ids_of_part[o][i]) * n]);
+  }
+  part.seen = std::move(own);
+  return part;
 }
 
 void gather(Backend& backend, Observation& seen) {
@@ -290,8 +336,10 @@ FastestWave fastest_wave(const Body<Dim>& body, const Integration& how) {
   return {std::sqrt(fastest2), fastest};
 }
 
-template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, Observation&);
-template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&);
+template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, Observation&,
+                           const std::vector<std::string>&);
+template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&,
+                           const std::vector<std::string>&);
 template void add_places_of_body(const Body<2>&, bool, Message&);
 template void add_places_of_body(const Body<3>&, bool, Message&);
 template void add_flow_of_body(const Body<2>&, double, Message&);

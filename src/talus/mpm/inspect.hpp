@@ -21,7 +21,8 @@ class RowsOfIds {
   std::size_t size() const { return ids_.size(); }
   /// Of an id that is there.
   std::size_t row(double id) const {
-    if (ids_.back() == double(ids_.size() - 1)) return std::size_t(id);  // none is missing
+    if (ids_.back() - ids_.front() == double(ids_.size() - 1))
+      return std::size_t(id - ids_.front());  // none is missing
     return std::size_t(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
   }
 
@@ -29,10 +30,14 @@ class RowsOfIds {
   std::vector<double> ids_;
 };
 
-/// Appends a body's particles to an observation. `rates` holds their strain rates, in the order of the particles.
+/// Appends a body's particles to an observation. `rates` holds their strain rates, in the order of the particles. `fields`:
+/// names of fields beside the position and the id; all if empty.
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen);
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen,
+                  const std::vector<std::string>& fields = {});
 
+/// Divides what all owners have seen of their particles into consecutive parts in the order of ids.
+ObservedPart share_out(Backend& backend, Observation own);
 /// Puts together, for the first owner, what each has seen of its own particles, in the order of ids. Others have nothing then.
 void gather(Backend& backend, Observation& seen);
 /// The first text that is not empty, in the order of owners.

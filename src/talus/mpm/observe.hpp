@@ -28,19 +28,18 @@ std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBo
   return rates;
 }
 
-/// Everything at an instant, of the particles that are there. If `broken`, particles may stand anywhere: strain rates are
-/// zero.
+/// Everything at an instant, or some fields (`Simulation::observe`), of the particles of this owner. If `broken`, particles
+/// may stand anywhere: strain rates are zero.
 template <int Dim, class Shape>
-Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken) {
+Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken, const std::vector<std::string>& fields) {
   Observation seen{time, step, {}};
   int number = 0;
   for (const auto& body : m.bodies) {
     const auto rates =
         broken ? std::vector<SymTensor<double>>(std::size_t(body.particles.size()), SymTensor<double>::zero())
                : strain_rates(m, body);
-    observe_body<Dim>(body, number++, rates, seen);
+    observe_body<Dim>(body, number++, rates, seen, fields);
   }
-  gather(m.backend, seen);
   return seen;
 }
 

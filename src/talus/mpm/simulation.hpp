@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +36,13 @@ struct Observation {
   }
 };
 
+/// A part of an observation: consecutive particles in the order of ids.
+struct ObservedPart {
+  Observation seen;
+  std::size_t first = 0;  ///< number of its first particle among all
+  std::size_t n_all = 0;  ///< particles of the whole observation
+};
+
 /// Positions and sizes of the present particles, in the order of their ids, for outlines.
 struct ParticlePlaces {
   std::vector<Vec<3>> places;   ///< [m]
@@ -66,9 +72,16 @@ struct Share {
   long n_neighbours = 0;  ///< owners with which it exchanges windows of tiles
 };
 
-/// Writes or reads an array of the checkpointed state by its name.
-using WriteArray = std::function<void(const std::string& name, std::span<const double> values)>;
-using ReadArray = std::function<std::vector<double>(const std::string& name)>;
+/// An array of the checkpointed state. Each owner has a part of it; the parts follow one another in the order of owners.
+struct StateArray {
+  std::string name;
+  std::size_t n = 0;                          ///< numbers of the whole array; the first owner knows it
+  std::size_t first = 0;                      ///< number of the first one of this owner's part
+  std::function<std::vector<double>()> part;  ///< this owner's part. All owners call it, or none
+};
+/// Reads the numbers of an array from `first` on, at most `n` of them; fewer at its end. Throws std::runtime_error if there
+/// is no such array. All owners call it in the same way.
+using ReadArray = std::function<std::vector<double>(const std::string& name, std::size_t first, std::size_t n)>;
 
 /// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius
 /// [m].
@@ -85,8 +98,11 @@ class Simulation {
   /// Accounts of each surface since the start, by the numbers of `AccountNumbers`. Their impulses add up to
   /// `Ledger::wall_impulse`, their friction to `Ledger::wall_friction`.
   virtual const std::vector<SurfaceAccount>& surfaces() const = 0;
-  /// After a RunError strain rates, and what follows from them, are zero.
-  virtual Observation observe() = 0;
+  /// All quantities, or those with these names and the position. After a RunError strain rates, and what follows from
+  /// them, are zero.
+  virtual Observation observe(const std::vector<std::string>& fields = {}) = 0;
+  /// The same, in parts of about equal size: every owner has one.
+  virtual ObservedPart observe_part(const std::vector<std::string>& fields) = 0;
   virtual ParticlePlaces places() const = 0;
   virtual FlowPoints flow() const = 0;
   /// Of all tiles with such material, in the order of their positions.
@@ -101,8 +117,8 @@ class Simulation {
   /// The step that step() would take now [s].
   virtual double next_dt() const = 0;
 
-  /// Writes all state that determines the following steps. Not after a RunError.
-  virtual void save(const WriteArray& write) const = 0;
+  /// All state that determines the following steps, until the next one. Not after a RunError.
+  virtual std::vector<StateArray> save() const = 0;
   /// Restores the state written by `save` for the same case, with any number of threads. Throws std::runtime_error if
   /// it is of another run.
   virtual void restore(const ReadArray& read) = 0;

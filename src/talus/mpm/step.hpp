@@ -68,9 +68,13 @@ class Stepper final : public Simulation {
   const Ledger& ledger() const override { return ledger_; }
   const StepTally& tally() const override { return tally_; }
   const std::vector<SurfaceAccount>& surfaces() const override { return surfaces_; }
-  Observation observe() override {
-    if (!broken_) find_node_velocities(model_, between_steps());
-    return talus::observe(model_, ledger_.time, ledger_.step, broken_);
+  Observation observe(const std::vector<std::string>& fields) override {
+    Observation seen = observe_own(fields);
+    gather(model_.backend, seen);
+    return seen;
+  }
+  ObservedPart observe_part(const std::vector<std::string>& fields) override {
+    return share_out(model_.backend, observe_own(fields));
   }
   ParticlePlaces places() const override { return places_of(model_); }
   FlowPoints flow() const override { return flow_of(model_); }
@@ -92,9 +96,10 @@ class Stepper final : public Simulation {
       share.n_neighbours += !model_.halo.sends[o].empty() || !model_.halo.receives[o].empty();
     return share;
   }
-  void save(const WriteArray& write) const override {
-    talus::save(model_, ledger_, tally_, carried_, write);
-    save_surfaces(surfaces_, write);
+  std::vector<StateArray> save() const override {
+    std::vector<StateArray> arrays = talus::save(model_, ledger_, tally_, carried_);
+    arrays.push_back(save_surfaces(surfaces_, model_.backend));
+    return arrays;
   }
   void restore(const ReadArray& read) override {
     talus::restore(model_, ledger_, tally_, carried_, read);
@@ -103,6 +108,11 @@ class Stepper final : public Simulation {
   }
 
  private:
+  Observation observe_own(const std::vector<std::string>& fields) {
+    if (!broken_) find_node_velocities(model_, between_steps());
+    return talus::observe(model_, ledger_.time, ledger_.step, broken_, fields);
+  }
+
   // ---- stages, and what they leave for later
 
   bool is_filter_due() const {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -27,7 +28,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kind = "talus checkpoint ", format = "7\n";
+constexpr std::string_view kind = "talus checkpoint ", format = "8\n";
 
 /// What stands before the HDF5 file in the same file, in what HDF5 calls a user block: what it is, and the checksum of the
 /// rest.
@@ -78,26 +79,49 @@ class Writer {
     make_room_for(text.size());
     in_words([&] { hdf5::write_text(*file_, name, text); });
   }
-  void array(const std::string& name, std::span<const double> values) {
-    make_room_for(values.size_bytes());
+  /// Makes arrays with room for their numbers.
+  void make(const std::vector<StateArray>& arrays) {
+    std::size_t bytes = 0;
+    for (const StateArray& array : arrays) bytes += array.n * sizeof(double) + size_of_header;
+    make_room_for(bytes);
     in_words([&] {
-      const hsize_t n = values.size();
-      const Handle space(H5Screate_simple(1, &n, nullptr), H5Sclose, "make a space");
-      const Handle set(H5Dcreate2(*state_, name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
-                       H5Dclose, "make a dataset");
-      if (n > 0)
-        check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
+      const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
+      check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), "make properties");
+      check(H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER), "make properties");
+      for (const StateArray& array : arrays) {
+        const hsize_t n = array.n;
+        const Handle space(H5Screate_simple(1, &n, nullptr), H5Sclose, "make a space");
+        const Handle set(
+            H5Dcreate2(*state_, array.name.c_str(), H5T_IEEE_F64LE, space, H5P_DEFAULT, properties, H5P_DEFAULT),
+            H5Dclose, "make a dataset");
+      }
     });
   }
-  void finish() {
-    hsize_t size = 0;
+  /// Fills them, for one process.
+  void fill(const std::vector<StateArray>& arrays) {
+    for (const StateArray& array : arrays) {
+      const std::vector<double> values = array.part();
+      if (values.size() != array.n) throw std::logic_error("other processes have a part of " + array.name);
+      if (values.empty()) continue;
+      in_words([&] {
+        const Handle set(H5Dopen2(*state_, array.name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
+        check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
+      });
+    }
+  }
+  /// Ends what this process writes by HDF5. Returns the name of the file, which has the room that it needs.
+  const fs::path& close() {
     in_words([&] {
       state_.reset();
       check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "write the file");
-      check(H5Fget_filesize(*file_, &size), "measure the file");
+      check(H5Fget_filesize(*file_, &size_), "measure the file");
       file_.reset();
     });
-    whole_.cut_to(size);
+    whole_.reserve(size_);
+    return whole_.unfinished();
+  }
+  void finish() {
+    whole_.cut_to(size_);
     std::ifstream in(whole_.unfinished(), std::ios::binary);
     in.seekg(block_size);
     const std::string block = block_of(checksum_after_block(in));
@@ -106,6 +130,8 @@ class Writer {
   }
 
  private:
+  static constexpr std::size_t size_of_header = 1 << 10;  ///< more than an array takes beside its numbers
+
   /// HDF5 says neither which file it cannot write nor why; so there is room before it writes.
   void make_room_for(std::size_t bytes) {
     constexpr std::size_t for_names = 1 << 16;
@@ -125,16 +151,52 @@ class Writer {
   WholeFile whole_;
   fs::path name_;
   std::optional<Handle> file_, state_;
+  hsize_t size_ = 0;
 };
 
-std::vector<double> numbers_of(hid_t group, const std::string& name) {
+/// At most `most` numbers of an array, from `first` on.
+std::vector<double> numbers_of(hid_t group, const std::string& name, std::size_t first, std::size_t most) {
   const Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
   const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
-  std::vector<double> numbers(std::size_t(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
-  if (!numbers.empty())
-    check(H5Dread(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, numbers.data()), "read a dataset");
+  const auto all = std::size_t(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space)));
+  std::vector<double> numbers(std::min(most, all - std::min(all, first)));
+  if (numbers.empty()) return numbers;
+  const hsize_t begin = first, n = numbers.size();
+  const Handle piece(H5Screate_simple(1, &n, nullptr), H5Sclose, "make a space");
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &begin, nullptr, &n, nullptr), "select a piece");
+  check(H5Dread(set, H5T_NATIVE_DOUBLE, piece, space, H5P_DEFAULT, numbers.data()), "read a dataset");
   return numbers;
 }
+
+/// The arrays of the state in a file.
+class StateFile {
+ public:
+  explicit StateFile(const fs::path& name)
+      : name_(name),
+        file_(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open the file"),
+        group_(H5Gopen2(file_, "state", H5P_DEFAULT), H5Gclose, "find the state") {}
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    check(H5Literate(
+              group_, H5_INDEX_NAME, H5_ITER_INC, nullptr,
+              [](hid_t, const char* link, const H5L_info_t*, void* names) -> herr_t {
+                static_cast<std::vector<std::string>*>(names)->push_back(link);
+                return 0;
+              },
+              &all),
+          "list the state");
+    return all;
+  }
+  std::vector<double> read(const std::string& array, std::size_t first, std::size_t most) const {
+    if (H5Lexists(group_, array.c_str(), H5P_DEFAULT) <= 0)
+      throw std::runtime_error(fmt::format("{} does not hold `{}`", name_.string(), array));
+    return numbers_of(group_, array, first, most);
+  }
+
+ private:
+  fs::path name_;
+  Handle file_, group_;
+};
 
 SavedRun read(const fs::path& name) {
   expect_undamaged(name);
@@ -151,17 +213,6 @@ SavedRun read(const fs::path& name) {
   saved.file = name;
   saved.number = json.at("number");
   saved.so_far = json.at("run");
-  const Handle state(H5Gopen2(file, "state", H5P_DEFAULT), H5Gclose, "find the state");
-  std::vector<std::string> names;
-  check(H5Literate(
-            state, H5_INDEX_NAME, H5_ITER_INC, nullptr,
-            [](hid_t, const char* link, const H5L_info_t*, void* all) -> herr_t {
-              static_cast<std::vector<std::string>*>(all)->push_back(link);
-              return 0;
-            },
-            &names),
-        "list the state");
-  for (const std::string& array : names) saved.state[array] = numbers_of(state, array);
   return saved;
 }
 
@@ -191,11 +242,19 @@ std::vector<std::string> differences(const std::vector<Understood>& before, cons
 }  // namespace
 
 void SavedRun::restore(Simulation& simulation) const {
-  simulation.restore([&](const std::string& name) {
-    const auto found = state.find(name);
-    if (found == state.end()) throw std::runtime_error(fmt::format("{} does not hold `{}`", file.string(), name));
-    return found->second;
-  });
+  hdf5::begin();
+  const StateFile state(file);
+  simulation.restore(
+      [&](const std::string& name, std::size_t first, std::size_t n) { return state.read(name, first, n); });
+}
+
+std::map<std::string, std::vector<double>> SavedRun::state() const {
+  hdf5::begin();
+  const StateFile arrays(file);
+  std::map<std::string, std::vector<double>> all;
+  for (const std::string& name : arrays.names())
+    all[name] = arrays.read(name, 0, std::numeric_limits<std::size_t>::max());
+  return all;
 }
 
 SavedRun read_checkpoint(const fs::path& file) {
@@ -215,13 +274,17 @@ Checkpoints::Checkpoints(fs::path folder, const SavedRun* saved)
   step_ = saved->so_far.step;
 }
 
-void Checkpoints::write(const RunSoFar& so_far, const Simulation& simulation) {
+void Checkpoints::write(const RunSoFar& so_far, const Simulation& simulation, const FillArrays& fill) {
   nlohmann::json json{{"version", version()}, {"build", build()}, {"number", number_ + 1}, {"run", so_far}};
   json["run"].erase("case_text");
   Writer out(file(folder_, 1 - place_));
   out.text("case", so_far.case_text);
   out.text("run", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
-  simulation.save([&](const std::string& name, std::span<const double> values) { out.array(name, values); });
+  const std::vector<StateArray> arrays = simulation.save();
+  out.make(arrays);
+  if (!fill) out.fill(arrays);
+  const fs::path& unfinished = out.close();
+  if (fill) fill(unfinished);
   out.finish();
   place_ = 1 - place_;
   ++number_;

@@ -63,10 +63,15 @@ struct SavedRun {
   std::filesystem::path file;
   long number = 0;  ///< of the checkpoints that the run has made
   RunSoFar so_far;
-  std::map<std::string, std::vector<double>> state;  ///< the arrays that Simulation::save wrote
 
+  /// Reads the arrays of Simulation::save, a piece at a time.
   void restore(Simulation& simulation) const;
+  /// All of these arrays.
+  std::map<std::string, std::vector<double>> state() const;
 };
+
+/// Writes the parts of all processes into the arrays of a checkpoint.
+using FillArrays = std::function<void(const std::filesystem::path& file)>;
 
 /// Reads a checkpoint. Throws std::runtime_error with the reason if it cannot be used.
 SavedRun read_checkpoint(const std::filesystem::path& file);
@@ -77,9 +82,9 @@ class Checkpoints {
   /// For a run in a folder; `saved` is the checkpoint it resumes from, null for a new run.
   Checkpoints(std::filesystem::path folder, const SavedRun* saved);
 
-  /// Writes one in place of the older of the last two; it is on the disk when this returns. Throws std::runtime_error
-  /// if it cannot be written; the last two then stay as they are.
-  void write(const RunSoFar& so_far, const Simulation& simulation);
+  /// Writes one in place of the older of the last two; it is on the disk when this returns. `fill`: of several processes.
+  /// Throws std::runtime_error if it cannot be written; the last two then stay as they are.
+  void write(const RunSoFar& so_far, const Simulation& simulation, const FillArrays& fill = {});
   /// The last one.
   std::string last() const;
 

@@ -86,6 +86,12 @@ void PictureBook::add(const Observation& seen) {
   times_.push_back(seen.time);
 }
 
+std::vector<std::string> PictureBook::fields() {
+  std::vector<std::string> names{"velocity", "volume"};
+  for (const Quantity& q : quantities) names.push_back(q.name);
+  return names;
+}
+
 std::string PictureBook::write_solids(int number, const double low[2], const double high[2], double spacing) const {
   const int up = dim_ - 1;
   Box shown{{low[0], 0, 0}, {high[0], 0, 0}};

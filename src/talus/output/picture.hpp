@@ -24,6 +24,8 @@ class PictureBook {
   /// `times` are those of the instants that are there already [s].
   PictureBook(std::filesystem::path folder, const Case& case_, std::vector<double> times = {});
   void add(const Observation& seen);
+  /// Names of the fields that `add` reads, as far as a run has them.
+  static std::vector<std::string> fields();
   /// Draws everything. Empty if there is no gnuplot or nothing was added.
   std::vector<Picture> draw() const;
   /// Of the instants that were added [s].

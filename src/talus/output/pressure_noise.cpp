@@ -16,7 +16,7 @@ PressureNoise::PressureNoise(const Case& case_, std::span<const double> so_far) 
   least_pressure_ = 1e-6 * density * g * case_.cell;
   if (so_far.empty()) return;
   const auto next = [&](std::size_t n) {
-    const std::vector<double> row(so_far.begin(), so_far.begin() + std::ptrdiff_t(n));
+    std::vector<double> row(so_far.begin(), so_far.begin() + std::ptrdiff_t(n));
     so_far = so_far.subspan(n);
     return row;
   };

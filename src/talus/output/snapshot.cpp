@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
-#include <numeric>
 #include <stdexcept>
 
 #include "talus/base/file.hpp"
@@ -18,35 +17,58 @@ using hdf5::check, hdf5::Handle, hdf5::read_text_attribute, hdf5::write_text_att
 
 namespace {
 
-template <class T>
-void write_dataset(hid_t group, const char* name, hid_t stored, hid_t in_memory, const std::vector<T>& values,
-                   int components, const Field* field = nullptr) {
-  const hsize_t dims[2] = {values.size() / components, hsize_t(components)};
+constexpr hsize_t rows_of_chunk = 65536;
+
+/// Makes a dataset without values.
+Handle make_dataset(hid_t group, const char* name, hid_t stored, std::size_t n, int components) {
+  const hsize_t dims[2] = {n, hsize_t(components)};
   const Handle space(H5Screate_simple(components > 1 ? 2 : 1, dims, nullptr), H5Sclose, "make a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
   if (dims[0] > 1000) {
-    const hsize_t chunk[2] = {std::min<hsize_t>(dims[0], 65536), hsize_t(components)};
+    const hsize_t chunk[2] = {std::min(dims[0], rows_of_chunk), hsize_t(components)};
     H5Pset_chunk(properties, components > 1 ? 2 : 1, chunk);
     H5Pset_shuffle(properties);
     H5Pset_deflate(properties, 1);
   }
-  H5Pset_obj_track_times(properties, false);  // the same numbers make the same file
-  const Handle set(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
-                   "make a dataset");
+  H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);  // all values are written
+  H5Pset_obj_track_times(properties, false);          // the same numbers make the same file
+  return Handle(H5Dcreate2(group, name, stored, space, H5P_DEFAULT, properties, H5P_DEFAULT), H5Dclose,
+                "make a dataset");
+}
+
+template <class T>
+void write_dataset(hid_t group, const char* name, hid_t stored, hid_t in_memory, const std::vector<T>& values) {
+  const Handle set = make_dataset(group, name, stored, values.size(), 1);
   if (!values.empty()) check(H5Dwrite(set, in_memory, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
-  if (field) {
-    write_text_attribute(set, "units", field->unit);
-    write_text_attribute(set, "meaning", field->meaning);
+}
+
+/// Writes `n` numbers in pieces: value(i) for each i.
+template <class T, class Value>
+void write_numbers(hid_t group, const char* name, hid_t stored, hid_t in_memory, std::size_t n, Value value) {
+  const Handle set = make_dataset(group, name, stored, n, 1);
+  const Handle space(H5Dget_space(set), H5Sclose, "find a space");
+  std::vector<T> values;
+  for (hsize_t first = 0; first < n; first += values.size()) {
+    values.resize(std::size_t(std::min(rows_of_chunk, n - first)));
+    for (std::size_t i = 0; i < values.size(); ++i) values[i] = value(first + i);
+    const hsize_t size = values.size();
+    const Handle piece(H5Screate_simple(1, &size, nullptr), H5Sclose, "make a space");
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &size, nullptr), "select a piece");
+    check(H5Dwrite(set, in_memory, piece, space, H5P_DEFAULT, values.data()), "write a dataset");
   }
 }
 
-/// The bytes of the file. It is made in memory: once HDF5 has failed to write to a disk, it crashes when the program
-/// ends.
-std::string file_of(const Observation& seen, const std::vector<std::string>& names) {
-  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make properties");
-  constexpr std::size_t growth = 1 << 20;
-  check(H5Pset_fapl_core(access, growth, false), "keep a file in memory");
-  const Handle file(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file");
+/// The fields of a snapshot: where they are in the file, and as which type.
+template <class F>
+void for_each_dataset(const Observation& seen, const std::vector<std::string>& names, F f) {
+  f("VTKHDF", "Points", H5T_IEEE_F64LE, seen.fields.at(0));
+  for (const std::string& name : names)
+    if (const Field* field = seen.find(name))
+      f("VTKHDF/PointData", name, name == "id" ? H5T_STD_I64LE : H5T_IEEE_F32LE, *field);
+}
+
+/// Writes all of a snapshot of `n` particles but the values of its fields.
+void write_frame(hid_t file, const Observation& seen, std::size_t n, const std::vector<std::string>& names) {
   const Handle root(H5Gcreate2(file, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
   {
     const hsize_t two = 2;
@@ -57,27 +79,39 @@ std::string file_of(const Observation& seen, const std::vector<std::string>& nam
     check(H5Awrite(version, H5T_NATIVE_LLONG, one_zero), "write an attribute");
   }
   write_text_attribute(root, "Type", "UnstructuredGrid");
-  const long long n = seen.n_particles();
   for (const char* count : {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"})
-    write_dataset(root, count, H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{n}, 1);
-  std::vector<long long> numbers(n + 1);
-  std::iota(numbers.begin(), numbers.end(), 0);
-  write_dataset(root, "Offsets", H5T_STD_I64LE, H5T_NATIVE_LLONG, numbers, 1);
-  numbers.pop_back();
-  write_dataset(root, "Connectivity", H5T_STD_I64LE, H5T_NATIVE_LLONG, numbers, 1);
+    write_dataset(root, count, H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{(long long)n});
+  const auto number = [](hsize_t i) { return (long long)i; };
+  write_numbers<long long>(root, "Offsets", H5T_STD_I64LE, H5T_NATIVE_LLONG, n + 1, number);
+  write_numbers<long long>(root, "Connectivity", H5T_STD_I64LE, H5T_NATIVE_LLONG, n, number);
   constexpr unsigned char vertex = 1;  // VTK_VERTEX
-  write_dataset(root, "Types", H5T_STD_U8LE, H5T_NATIVE_UCHAR, std::vector<unsigned char>(n, vertex), 1);
-  write_dataset(root, "Points", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, seen.fields.at(0).values, 3, &seen.fields.at(0));
-
+  write_numbers<unsigned char>(root, "Types", H5T_STD_U8LE, H5T_NATIVE_UCHAR, n, [](hsize_t) { return vertex; });
   const Handle data(H5Gcreate2(root, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
-  for (const std::string& name : names)
-    if (const Field* f = seen.find(name))
-      write_dataset(data, name.c_str(), name == "id" ? H5T_STD_I64LE : H5T_IEEE_F32LE, H5T_NATIVE_DOUBLE, f->values,
-                    f->components, f);
-
+  for_each_dataset(seen, names, [&](const char* group, const std::string& name, hid_t stored, const Field& field) {
+    const Handle in(H5Gopen2(file, group, H5P_DEFAULT), H5Gclose, "find a group");
+    const Handle set = make_dataset(in, name.c_str(), stored, n, field.components);
+    write_text_attribute(set, "units", field.unit);
+    write_text_attribute(set, "meaning", field.meaning);
+  });
   const Handle run(H5Gcreate2(file, "talus", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose, "make a group");
-  write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time}, 1);
-  write_dataset(run, "step", H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{seen.step}, 1);
+  write_dataset(run, "time", H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, std::vector<double>{seen.time});
+  write_dataset(run, "step", H5T_STD_I64LE, H5T_NATIVE_LLONG, std::vector<long long>{seen.step});
+}
+
+/// The bytes of the file. It is made in memory: once HDF5 has failed to write to a disk, it crashes when the program
+/// ends.
+std::string file_of(const Observation& seen, const std::vector<std::string>& names) {
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, "make properties");
+  constexpr std::size_t growth = 1 << 20;
+  check(H5Pset_fapl_core(access, growth, false), "keep a file in memory");
+  const Handle file(H5Fcreate("in memory", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, "create the file");
+  write_frame(file, seen, std::size_t(seen.n_particles()), names);
+  for_each_dataset(seen, names, [&](const char* group, const std::string& name, hid_t, const Field& field) {
+    const Handle in(H5Gopen2(file, group, H5P_DEFAULT), H5Gclose, "find a group");
+    const Handle set(H5Dopen2(in, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
+    if (!field.values.empty())
+      check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.values.data()), "write a dataset");
+  });
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   std::string bytes(std::size_t(std::max<ssize_t>(size, 0)), ' ');
@@ -156,6 +190,34 @@ void write_snapshot(const std::filesystem::path& file, const Observation& seen,
   write_whole(file, file_of(seen, fields));
 }
 
+UnfilledSnapshot::UnfilledSnapshot(const std::filesystem::path& file, const ObservedPart& part,
+                                   const std::vector<std::string>& fields)
+    : whole_(file) {
+  hdf5::begin();
+  // HDF5 says neither which file it cannot write nor why; so there is room before it writes.
+  constexpr std::size_t for_frame = 1 << 20, of_particle = 2 * sizeof(long long) + 1;
+  std::size_t bytes = for_frame + part.n_all * of_particle;
+  for_each_dataset(part.seen, fields, [&](const char*, const std::string&, hid_t stored, const Field& field) {
+    bytes += part.n_all * std::size_t(field.components) * H5Tget_size(stored);
+  });
+  try {
+    const Handle made(H5Fcreate(whole_.unfinished().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
+                      "create the file");
+    whole_.reserve(bytes);
+    write_frame(made, part.seen, part.n_all, fields);
+    check(H5Fflush(made, H5F_SCOPE_GLOBAL), "write the file");
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("{} cannot be written: {}", file.string(), e.what()));
+  }
+  whole_.reserve(bytes);  // closing the file has cut it
+}
+
+void fill_snapshot(const ObservedPart& part, const std::vector<std::string>& fields, const WriteRows& write) {
+  for_each_dataset(part.seen, fields, [&](const char* group, const std::string& name, hid_t, const Field& field) {
+    write(std::string(group) + "/" + name, part.first, field.components, field.values);
+  });
+}
+
 SnapshotSeries::SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields, std::vector<double> times)
     : folder_(std::move(folder)), fields_(std::move(fields)), times_(std::move(times)) {
   std::vector<std::filesystem::path> later;
@@ -193,6 +255,13 @@ void SnapshotSeries::add(Observation seen) {
     write_snapshot(file, seen, fields);
     write_whole(series, text);
   });
+}
+
+void SnapshotSeries::add(double time, const std::function<void(const std::filesystem::path&)>& write) {
+  finish();
+  times_.push_back(time);
+  write(last());
+  write_whole(series_file(), list());
 }
 
 }  // namespace talus

@@ -6,10 +6,12 @@
 /// NAME.hdf.series beside them.
 
 #include <filesystem>
+#include <functional>
 #include <future>
 #include <string>
 #include <vector>
 
+#include "talus/base/file.hpp"
 #include "talus/mpm/simulation.hpp"
 
 namespace talus {
@@ -17,6 +19,26 @@ namespace talus {
 /// Writes the fields with the given names (those that exist) and the positions. The file appears whole or not at all.
 /// Throws std::runtime_error if it cannot be written.
 void write_snapshot(const std::filesystem::path& file, const Observation& seen, const std::vector<std::string>& fields);
+
+/// A snapshot of which several processes write the fields: the first one makes the file, all fill it, then the first one
+/// finishes it.
+class UnfilledSnapshot {
+ public:
+  /// Makes the file; `part`: of any process. Throws std::runtime_error if it cannot be written.
+  UnfilledSnapshot(const std::filesystem::path& file, const ObservedPart& part, const std::vector<std::string>& fields);
+  const std::filesystem::path& file() const { return whole_.unfinished(); }
+  void finish() { whole_.finish(); }
+
+ private:
+  WholeFile whole_;
+};
+
+/// Writes rows of a dataset, which has `components` numbers in each, from row `first` on.
+using WriteRows = std::function<void(const std::string& dataset, std::size_t first, int components,
+                                     const std::vector<double>& values)>;
+
+/// Writes the fields of a part of the particles.
+void fill_snapshot(const ObservedPart& part, const std::vector<std::string>& fields, const WriteRows& write);
 
 /// Reads a snapshot of write_snapshot: the positions, then the fields by name. Throws std::runtime_error if the file is not
 /// one.
@@ -33,6 +55,8 @@ class SnapshotSeries {
   /// there already [s]; others, from another run or one that has gone further, are removed.
   SnapshotSeries(std::filesystem::path folder, std::vector<std::string> fields, std::vector<double> times = {});
   void add(Observation seen);
+  /// The same for a snapshot that `write` writes into a file before it returns.
+  void add(double time, const std::function<void(const std::filesystem::path& file)>& write);
   /// Waits until the last one is written. HDF5 must not be used elsewhere before.
   void finish() {
     if (writing_.valid()) writing_.get();

@@ -16,8 +16,11 @@
 #include <cstring>
 #include <fstream>
 #include <mutex>
+#include <optional>
 #include <thread>
 
+#include "talus/backend/mpi/shared_hdf5.hpp"
+#include "talus/backend/mpi/tile_division.hpp"
 #include "talus/backend/transport.hpp"
 
 namespace talus {
@@ -34,6 +37,8 @@ std::string namespace_of_processes() {
   if (::readlink("/proc/self/ns/pid", container, sizeof container - 1) < 0) container[0] = 0;
   return boot + container;
 }
+
+constexpr int exit_code = 3;  ///< of a run that has failed
 
 std::atomic<bool> asked_to_end = false;
 void note_request_to_end(int) { asked_to_end = true; }
@@ -69,6 +74,12 @@ class Watch {
     const std::lock_guard lock(mutex_);
     last_words_ = text;
   }
+  /// Prints a text and the last words.
+  void say(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    const std::string line = text + last_words_ + "\n";
+    if (::write(STDERR_FILENO, line.data(), line.size()) < 0) ::_exit(exit_code);
+  }
 
  private:
   static bool is_gone(const Process& p) { return ::kill(p.pid, 0) != 0 && errno == ESRCH; }
@@ -88,17 +99,12 @@ class Watch {
     ::signal(SIGTERM, SIG_IGN);  // of mpirun, which a second later ends what is left
     const auto first = std::find_if_not(processes_.begin(), processes_.end(), is_gone);
     if (first->number == own_) {
-      const std::lock_guard lock(mutex_);
-      const std::string text =
-          "talus: process " + std::to_string(number) + " of the run was killed or has crashed" + last_words_ + "\n";
-      if (::write(STDERR_FILENO, text.data(), text.size()) < 0) ::_exit(exit_code);
+      say("talus: process " + std::to_string(number) + " of the run was killed or has crashed");
     }
     std::this_thread::sleep_for(
         std::chrono::milliseconds(500));  // until the first one has printed, and others have seen it
     ::_exit(exit_code);
   }
-
-  static constexpr int exit_code = 3;
 
   int own_ = 0;
   std::vector<Process> processes_;
@@ -118,12 +124,32 @@ class Mpi final : public Transport {
     MPI_Comm_rank(MPI_COMM_WORLD, &own_);
     MPI_Comm_dup(MPI_COMM_WORLD, &messages_);
     MPI_Comm_dup(MPI_COMM_WORLD, &failures_);
+    MPI_Comm_dup(MPI_COMM_WORLD, &of_libraries_);
+    division_.emplace(of_libraries_);
     start_watch();
   }
 
   int n_processes() const override { return n_; }
   int process() const override { return own_; }
   int n_on_this_machine() const override { return n_here_; }
+
+  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) override {
+    expect_no_failure();
+    if (work.empty()) return {};
+    const TilesOfRun tiles{dim, &places, &work};
+    std::vector<int> owners;
+    const auto find_owners = [&] {
+      owners.clear();
+      for (const Message& parts : gather(division_->parts(tiles)))
+        for (const double part : parts) owners.push_back(int(part));
+    };
+    if (division_->is_cut(dim)) find_owners();
+    if (owners.empty() || imbalance(owners, work, n_) > most_imbalance) {
+      division_->cut(tiles);
+      find_owners();
+    }
+    return owners;
+  }
 
   std::vector<Message> exchange(std::vector<Message> messages) override {
     expect_no_failure();
@@ -214,6 +240,14 @@ class Mpi final : public Transport {
     return message;
   }
 
+  std::unique_ptr<SharedFile> open_shared(const std::string& file) override {
+    expect_no_failure();
+    return std::make_unique<SharedHdf5>(of_libraries_, file, [this](const std::string& reason) {
+      watch_.say("talus: process " + std::to_string(own_) + " of " + std::to_string(n_) + ": " + reason);
+      MPI_Abort(MPI_COMM_WORLD, exit_code);
+    });
+  }
+
   void fail(const std::string& text) override {
     if (has_failed_) return;
     has_failed_ = true;
@@ -231,6 +265,7 @@ class Mpi final : public Transport {
       wait(request);
     } catch (const ReportedElsewhere&) {  // the others do not wait either
     }
+    division_.reset();
     MPI_Finalize();
   }
 
@@ -321,7 +356,8 @@ class Mpi final : public Transport {
   }
 
   int n_ = 1, own_ = 0, n_here_ = 1;
-  MPI_Comm messages_ = MPI_COMM_NULL, failures_ = MPI_COMM_NULL;
+  MPI_Comm messages_ = MPI_COMM_NULL, failures_ = MPI_COMM_NULL, of_libraries_ = MPI_COMM_NULL;
+  std::optional<TileDivision> division_;
   Traffic traffic_;
   bool has_failed_ = false;
   std::string failure_ = "the run has failed";

@@ -11,35 +11,41 @@
 
 namespace talus {
 
-/// What particles from `first` on of all owners' parts of a body hold. `place_of(x)`: the number of the place in
-/// `Outflow::places` where a particle leaves.
+/// What particles from `first` on of all owners' parts of a body hold, added up in the order of a single owner. `tiles`: the
+/// number of the tile that each of them was in. `place_of(x)`: the number of the place in `Outflow::places` where a particle
+/// leaves.
 template <int Dim, class Shape, class PlaceOf>
-Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first, PlaceOf place_of, long& n) {
+Outflow held_by_particles(const Model<Dim, Shape>& m, const Body<Dim>& body, int first,
+                          const std::vector<double>& tiles, PlaceOf place_of, long& n) {
   const Particles<Dim>& p = body.particles;
   const std::vector<double> energies = elastic_energies<Dim>(body, {first, p.size()});
   Message mine;
   for (int i = first; i < p.size(); ++i) {
-    mine.push_back(p.mass()[i]);
+    mine.insert(mine.end(), {tiles[std::size_t(i - first)], p.mass()[i]});
     for (int a = 0; a < Dim; ++a) mine.insert(mine.end(), {p.velocity(a)[i], p.position(a)[i]});
     mine.push_back(energies[std::size_t(i - first)]);
   }
+  const std::vector<Message> all = m.backend.gather(mine);
+  std::vector<const double*> rows;
+  for (const Message& of_owner : all)
+    for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += 2 * Dim + 3)
+      rows.push_back(row);
+  std::stable_sort(rows.begin(), rows.end(), [](const double* a, const double* b) { return *a < *b; });
   Outflow out;
-  n = 0;
-  for (const Message& rows : m.backend.gather(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 2 * Dim + 2) {
-      const double mass = row[0];
-      out.mass += mass;
-      for (int a = 0; a < Dim; ++a) {
-        const double v = row[1 + 2 * a], x = row[2 + 2 * a];
-        out.momentum[a] += mass * v;
-        out.kinetic += 0.5 * mass * v * v;
-        out.potential -= mass * m.gravity[a] * x;
-      }
-      out.elastic += row[2 * Dim + 1];
-      const Vec<2> x{row[2], row[4]};
-      out.places[place_of(x)].add(mass, x);
-      ++n;
+  n = long(rows.size());
+  for (const double* row : rows) {
+    const double mass = row[1];
+    out.mass += mass;
+    for (int a = 0; a < Dim; ++a) {
+      const double v = row[2 + 2 * a], x = row[3 + 2 * a];
+      out.momentum[a] += mass * v;
+      out.kinetic += 0.5 * mass * v * v;
+      out.potential -= mass * m.gravity[a] * x;
     }
+    out.elastic += row[2 * Dim + 2];
+    const Vec<2> x{row[3], row[5]};
+    out.places[place_of(x)].add(mass, x);
+  }
   return out;
 }
 
@@ -53,13 +59,23 @@ void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, PlaceO
     std::iota(order.begin(), order.end(), 0);
     const auto first_out = std::stable_partition(order.begin(), order.end(), [&](int i) { return !is_out(p, i); });
     const int kept = int(first_out - order.begin());
+    std::vector<double> tiles_left;
     if (kept < p.size()) {
+      const std::vector<double> tiles = tile_numbers<Dim>(body, m.halo, m.backend);
+      for (auto i = first_out; i != order.end(); ++i) tiles_left.push_back(tiles[std::size_t(*i)]);
+      int begin = 0;
+      for (TileParticles& range : body.tiles) {
+        int end = begin;
+        for (int i = range.begin; i < range.end; ++i) end += !is_out(p, i);
+        range = {begin, end};
+        begin = end;
+      }
       std::vector<double> spare(std::size_t(p.size()));
       for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
     }
     if (kept == p.size() && m.backend.n_owners() == 1) continue;
     long n_left = 0;
-    Outflow out = held_by_particles<Dim, Shape>(m, body, kept, place_of, n_left);
+    Outflow out = held_by_particles<Dim, Shape>(m, body, kept, tiles_left, place_of, n_left);
     if (n_left == 0) continue;
     out.mass_through[way] = out.mass;
     ledger.add_outflow(out);

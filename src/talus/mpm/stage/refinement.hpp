@@ -49,19 +49,16 @@ class ParticleRefinement {
     std::vector<std::vector<Plan>> plans(m.bodies.size());
     for (std::size_t b = 0; b < m.bodies.size(); ++b)
       if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], time);
-    const auto total = [&](auto of_plan) {
-      double mine = 0;
+    const auto total = [&](auto n_of_plan) {
+      long mine = 0;
       for (const auto& of_body : plans)
-        for (const Plan& p : of_body) mine += double(of_plan(p).size());
-      return counts_of_owners(m.backend, mine);
+        for (const Plan& p : of_body) mine += long(n_of_plan(p));
+      return sum_over_owners(m.backend, mine);
     };
-    std::vector<long> n_split = total([](const Plan& p) { return p.splits; });
-    const std::vector<long> n_merged = total([](const Plan& p) { return p.mergers; });
-    for (const long n : n_merged) cost.n_merged += n;
-    for (const long n : n_split) cost.n_split += n;
+    cost.n_split = total([](const Plan& p) { return p.splits.size(); });
+    cost.n_merged = total([](const Plan& p) { return p.mergers.size(); });
     if (m.n_particles + cost.n_split - cost.n_merged > m.most_particles) {
       cost.n_split = 0;
-      std::fill(n_split.begin(), n_split.end(), 0L);
       for (auto& of_body : plans)
         for (Plan& p : of_body) p.splits.clear();
     }
@@ -73,9 +70,8 @@ class ParticleRefinement {
         sums[Sum::averaging] += apply_mergers<Dim>(m.bodies[b], plans[b][std::size_t(t)].mergers);
       }
     });
-    for (int o = 0; o < m.backend.owner(); ++o) n_ids += n_split[std::size_t(o)];
     for (std::size_t b = 0; b < m.bodies.size(); ++b)
-      if (!plans[b].empty()) rebuild(m.bodies[b], plans[b], n_ids);
+      if (m.bodies[b].particles.memory().extent) rebuild(m.bodies[b], plans[b], first_ids(m, plans[b], n_ids));
     m.n_particles += cost.n_split - cost.n_merged;
     cost.particles = add_up_particles(m);
     cost.particles[Sum::averaging] = merging[Sum::averaging];
@@ -95,10 +91,24 @@ class ParticleRefinement {
     std::vector<Merger> mergers;
   };
 
-  static std::vector<long> counts_of_owners(Backend& backend, double mine) {
-    std::vector<long> counts;
-    for (const Message& of_owner : backend.gather({mine})) counts.push_back(long(of_owner.front()));
-    return counts;
+  /// The first id of new particles of a body in each tile; ids are given in the order of the tiles of the run. `n_ids`: how
+  /// many have been given, before and after.
+  static std::vector<long> first_ids(const Model<Dim, Shape>& m, const std::vector<Plan>& plans, long& n_ids) {
+    Message mine;
+    for (std::size_t t = 0; t < plans.size(); ++t)
+      if (!plans[t].splits.empty()) mine.insert(mine.end(), {double(m.halo.number[t]), double(plans[t].splits.size())});
+    std::vector<std::pair<long, long>> all;  // number of a tile and its splits
+    for (const Message& of_owner : m.backend.gather(mine))
+      for (std::size_t i = 0; i < of_owner.size(); i += 2) all.emplace_back(long(of_owner[i]), long(of_owner[i + 1]));
+    std::sort(all.begin(), all.end());
+    std::vector<long> first(plans.size(), 0);
+    std::size_t t = 0;  // tiles here have increasing numbers as well
+    for (const auto& [number, n] : all) {
+      while (t < first.size() && m.halo.number[t] < number) ++t;
+      if (t < first.size() && m.halo.number[t] == number) first[t] = n_ids;
+      n_ids += n;
+    }
+    return first;
   }
 
   void count_cells(Model<Dim, Shape>& m) {
@@ -143,7 +153,8 @@ class ParticleRefinement {
   }
 
   /// New particles follow those from which they were split, so that the order of particles does not depend on owners.
-  static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, long& n_ids) {
+  /// `ids`: the first new one in each tile.
+  static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, const std::vector<long>& ids) {
     Particles<Dim>& p = body.particles;
     std::vector<char> copies(std::size_t(p.size()), 1);
     std::vector<const Split*> split_of(std::size_t(p.size()), nullptr);
@@ -155,19 +166,26 @@ class ParticleRefinement {
       for (const Merger& pair : plan.mergers) copies[std::size_t(pair.second)] = 0;
     }
     std::vector<int> rows;
-    std::vector<std::pair<int, const Split*>> added;
-    for (TileParticles& range : body.tiles) {
+    struct Added {
+      int row;
+      const Split* split;
+      long id;
+    };
+    std::vector<Added> added;
+    for (std::size_t t = 0; t < body.tiles.size(); ++t) {
+      TileParticles& range = body.tiles[t];
+      long id = ids[t];
       const int begin = int(rows.size());
       for (int i = range.begin; i < range.end; ++i) {
         for (int k = 0; k < copies[std::size_t(i)]; ++k) rows.push_back(i);
-        if (copies[std::size_t(i)] == 2) added.emplace_back(int(rows.size()) - 1, split_of[std::size_t(i)]);
+        if (copies[std::size_t(i)] == 2) added.push_back({int(rows.size()) - 1, split_of[std::size_t(i)], id++});
       }
       range = {begin, int(rows.size())};
     }
     p.columns().take(rows);
-    for (const auto& [row, split] : added) {
+    for (const auto& [row, split, id] : added) {
       for (int a = 0; a < Dim; ++a) p.position(a)[row] -= 2 * split->offset[a];
-      p.id()[row] = double(n_ids++);
+      p.id()[row] = double(id);
     }
   }
 

@@ -1,0 +1,46 @@
+#pragma once
+/// Division of the tiles of a run among processes, by Zoltan (Boman et al. 2012, Sci. Program. 20:129).
+
+#include <mpi.h>
+#include <zoltan.h>
+
+#include <memory>
+#include <vector>
+
+namespace talus {
+
+/// The occupied tiles of a run.
+struct TilesOfRun {
+  int dim;
+  const std::vector<int>* places;  ///< `dim` numbers each
+  const std::vector<long>* work;
+};
+
+/// Cuts space in parts of equal work, one for each process, by recursive bisection (Zoltan's RCB). The cuts are kept, because
+/// tiles that come later belong to the same parts. All processes call the functions in the same order with the same tiles.
+/// Parts of RCB have smaller halos than ranges of Hilbert's curve (HSFC): by a third for a cylinder of 5800 tiles.
+class TileDivision {
+ public:
+  explicit TileDivision(MPI_Comm processes);
+
+  /// Whether there are cuts for tiles of this dimension.
+  bool is_cut(int dim) const { return zoltan_ && dim_ == dim; }
+  /// Each process describes a stretch of the tiles to Zoltan. Throws std::runtime_error if Zoltan fails.
+  void cut(const TilesOfRun& tiles);
+  /// The parts of the tiles in the stretch of this process.
+  std::vector<double> parts(const TilesOfRun& tiles) const;
+
+ private:
+  struct Destroy {
+    void operator()(Zoltan_Struct* z) const { Zoltan_Destroy(&z); }
+  };
+
+  MPI_Comm processes_;
+  std::unique_ptr<Zoltan_Struct, Destroy> zoltan_;
+  int dim_ = 0;
+};
+
+/// Largest sum of work of an owner over the mean of all.
+double imbalance(const std::vector<int>& owners, const std::vector<long>& work, int n_owners);
+
+}  // namespace talus
