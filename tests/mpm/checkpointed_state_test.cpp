@@ -44,7 +44,7 @@ TEST(CheckpointedState, IsEveryColumnOfEveryBodyTheTilesAndTheLedger) {
   EXPECT_EQ(saved.at("carried")[0], 0.05);
   EXPECT_EQ(saved.at("tiles"), (std::vector<double>{0, 0, 1, 1, 1, 1, 2, 0, 1, 1, 1, 1}))
       << "place, first and last cell";
-  EXPECT_EQ(saved.at("body 0: first particles of tiles"), (std::vector<double>{0, 2}));
+  EXPECT_EQ(saved.at("body 0: first particles of tiles"), (std::vector<double>{0, 2, 3})) << "and their number";
   EXPECT_EQ(saved.at("body 0: id 0"), (std::vector<double>{1, 2, 0})) << "in the order they lie in";
   EXPECT_EQ(saved.at("body 0: position 0"), (std::vector<double>{1.5, 1.25, 9.5}));
   EXPECT_TRUE(saved.at("closed contacts").empty());

@@ -11,6 +11,7 @@
 
 #include "mpm/cases.hpp"
 #include "mpm/data/shapes.hpp"
+#include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/make_stepper.hpp"
@@ -454,10 +455,7 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWay
               const auto loop = make_openmp(threads);
               const auto s = make_simulation(what, *loop);
               for (int i = 0; i < 14; ++i) {
-                if (i == 7 && threads == 1)
-                  s->save([&](const std::string& field, std::span<const double> values) {
-                    half_way.emplace(field, std::vector<double>(values.begin(), values.end()));
-                  });
+                if (i == 7 && threads == 1) half_way = in_memory(s->save());
                 s->step();
               }
               seen.push_back(s->observe());
@@ -465,7 +463,7 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWay
             }
             const auto loop = make_openmp(2);
             const auto resumed = make_simulation(what, *loop);
-            resumed->restore([&](const std::string& field) { return half_way.at(field); });
+            resumed->restore(reader_of(half_way));
             for (int i = 0; i < 7; ++i) resumed->step();
             seen.push_back(resumed->observe());
             ledgers.push_back(resumed->ledger());

@@ -10,6 +10,14 @@
 
 namespace talus::observe_test {
 
+/// What the owners of a run see together.
+template <class AnyModel>
+Observation observed(AnyModel& m, double time, long step, bool broken) {
+  Observation seen = observe(m, time, step, broken, {});
+  gather(m.backend, seen);
+  return seen;
+}
+
 /// Gives every node the velocity that `velocity` has at its place.
 template <class F>
 void set_nodes(Model<2, Quadratic>& m, F velocity) {
@@ -44,7 +52,7 @@ TEST(Observe, StrainRatesStandInTheOrderOfRowsAndFieldsInThatOfIds) {
   const auto rates = strain_rates(m, m.bodies[0]);
   EXPECT_NEAR(rates[0].xy, 1.25 / 2, 1e-13);
   EXPECT_NEAR(rates[1].xy, 9.5 / 2, 1e-13);
-  const Observation seen = observe(m, 0.25, 7, false);
+  const Observation seen = observed(m, 0.25, 7, false);
   EXPECT_EQ(seen.time, 0.25);
   EXPECT_EQ(seen.step, 7);
   EXPECT_EQ(seen.find("id")->values, (std::vector<double>{0, 1}));
@@ -57,9 +65,9 @@ TEST(Observe, AfterABreakParticlesAreSeenWhereverTheyStandAndStrainAtNoRate) {
   auto& m = small.model;
   arrange(m);
   set_nodes(m, [](const Vec<2>& x) { return Vec<2>{x[1], 0}; });
-  EXPECT_NEAR(observe(m, 0, 0, false).find("shear_rate")->values[0], 0.5, 1e-14);
+  EXPECT_NEAR(observed(m, 0, 0, false).find("shear_rate")->values[0], 0.5, 1e-14);
   small.particles().position(0)[0] = -1e9;
-  const Observation seen = observe(m, 0, 0, true);
+  const Observation seen = observed(m, 0, 0, true);
   EXPECT_EQ(seen.find("position")->values, (std::vector<double>{-1e9, 6, 0}));
   EXPECT_EQ(seen.find("shear_rate")->values[0], 0);
 }
@@ -73,7 +81,7 @@ TEST(Observe, BodiesAreNumberedInTheirOrderAndShareTheIds) {
   bodies[1].particles.id()[0] = 1;
   Model<2, Quadratic> m(unit_cells<2>(16), {}, std::move(bodies), {}, pure_flip(), *serial);
   arrange(m);
-  const Observation seen = observe(m, 0, 0, true);
+  const Observation seen = observed(m, 0, 0, true);
   EXPECT_EQ(seen.find("body")->values, (std::vector<double>{0, 1, 0}));
   EXPECT_EQ(seen.find("id")->values, (std::vector<double>{0, 1, 2}));
   EXPECT_EQ(places_of(m).places[1], (Vec<3>{9.5, 9.5, 0}));
@@ -91,7 +99,7 @@ TEST(Observe, WhatHasLeftIsNotSeenAndHasNoPlace) {
   p.resize(2);
   m.n_particles = 2;
   arrange(m);
-  const Observation seen = observe(m, 0, 0, true);
+  const Observation seen = observed(m, 0, 0, true);
   EXPECT_EQ(seen.find("id")->values, (std::vector<double>{0, 2}));
   EXPECT_EQ(seen.find("position")->values, (std::vector<double>{1, 1, 0, 9, 3, 0}));
   const ParticlePlaces all = places_of(m);
