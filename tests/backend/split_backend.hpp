@@ -80,14 +80,14 @@ class SplitBackend final : public Backend {
   }
   int n_owners() const override { return place_.n_owners(); }
   int owner() const override { return owner_; }
-  /// Two owners, or an even number: ranges of about equal work in the order of the run. An odd number: every owner has every
-  /// n-th three tiles, so that none of them is compact.
+  /// An even number of owners: ranges of about equal work in the order of the run. An odd number: every owner has every
+  /// n-th tile, so that no part is compact.
   std::vector<int> divide(int, const std::vector<int>&, const std::vector<long>& work) override {
     std::vector<int> owners;
     long all = 0, before = 0;
     for (const long w : work) all += w;
     for (const long w : work) {
-      const long in_range = before * n_owners() / std::max(1L, all), in_turn = long(owners.size()) / 3 % n_owners();
+      const long in_range = before * n_owners() / std::max(1L, all), in_turn = long(owners.size()) % n_owners();
       owners.push_back(int(n_owners() % 2 == 0 ? in_range : in_turn));
       before += w;
     }

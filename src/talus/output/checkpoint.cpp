@@ -130,11 +130,11 @@ class Writer {
   }
 
  private:
-  static constexpr std::size_t size_of_header = 1 << 10;  ///< more than an array takes beside its numbers
+  static constexpr std::size_t size_of_header = 512;  ///< more than an array takes beside its numbers
 
   /// HDF5 says neither which file it cannot write nor why; so there is room before it writes.
   void make_room_for(std::size_t bytes) {
-    constexpr std::size_t for_names = 1 << 16;
+    constexpr std::size_t for_names = 1 << 13;
     hsize_t size = 0;
     in_words([&] { check(H5Fget_filesize(*file_, &size), "measure the file"); });
     whole_.reserve(size + bytes + for_names);
