@@ -91,7 +91,8 @@ struct Tangent {
     }
     return F_p * K * strain.D_v + 2 * G * double_dot(flow, strain.dev) + by_lode - F_e * (1 + e) * strain.D_v;
   }
-  /// Hardening is integrated over kappa, or over its root where h grows with the root: dh/dkappa is infinite at 0 there.
+  /// Whether hardening is integrated over the root of kappa instead of kappa: where h grows with the root, dh/dkappa is
+  /// infinite at 0.
   TALUS_HD bool by_root() const { return law.hardening_rule == HardeningRule::square_root; }
   /// Decrease of f with the variable of hardening.
   TALUS_HD double resistance() const {
@@ -111,7 +112,7 @@ struct Tangent {
     c.ahead = c.dkappa + d * d;
     return c;
   }
-  /// Plastic flow at constant total strain that brings f to 0; none where that would need a negative kappa.
+  /// Plastic flow at constant total strain that brings f to 0, or kappa to 0 where f would need less.
   TALUS_HD Change back_to_surface() const {
     const double d = yield() / resistance();
     const double root = sqrt(kappa);
