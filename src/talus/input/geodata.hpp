@@ -29,7 +29,7 @@ struct GeoRaster {
   PlanRaster raster;       ///< values in m
   std::string projection;  ///< as WKT; empty if the file states none
   std::string format;      ///< "ASC" or "GeoTIFF"
-  UnstatedNan unstated_nan;
+  UnstatedNan unstated_nan{};
 };
 
 enum class RasterContent {
