@@ -201,19 +201,19 @@ class ContactFinder {
 
   /// Area in plan [m2] of the material around each column of nodes, over the mass of its nodes in contact with the
   /// ground, for turbulent friction. Inside a flow the area is that of a cell. At its edge nodes outside the flow have
-  /// mass too; with a whole cell for each, a patch would have the friction of one two cells wider. So the area of a
-  /// column is the share T_i/T of a cell, with the mass T_i of the column and the mean of those around it, T = sum
-  /// T_j^2/sum T_j, to which columns at the edge contribute little.
+  /// mass too; so the area is the product of the shares of a cell that the flow covers along both axes.
   std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
                                              const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
     std::array<double, n_columns> inside{}, mass{}, on_ground{};
+    int above = layers_above;  // as many for all columns, so that they compare
+    const auto highest_on_ground = [](unsigned nodes) { return int(std::bit_width(nodes)) - 1 - column_reach; };
+    for (const unsigned nodes : ground.columns) above = std::min(above, 2 * tile_edge - highest_on_ground(nodes));
     for (std::size_t column = 0; column < n_columns; ++column) {
       const unsigned nodes = ground.columns[column];
       Index<Dim> i = foot_of_column(int(column));
       inside[column] = share_inside(walls, tiles[t].place, i);
       if (nodes == 0 || inside[column] == 0) continue;
-      const int highest = int(std::bit_width(nodes)) - 1 - column_reach;
-      for (int layer = -tile_edge; layer < std::min(highest + layers_above, 2 * tile_edge); ++layer) {
+      for (int layer = -tile_edge; layer < highest_on_ground(nodes) + above; ++layer) {
         i[Dim - 1] = layer;
         const double m = mass_beside(tiles, momentum, t, i);
         mass[column] += m / inside[column];
@@ -222,25 +222,58 @@ class ContactFinder {
     }
     std::array<double, n_across> area{};
     for (int n = 0; n < n_across; ++n) {
-      const Index<Dim> own = unflatten<Dim>(n, tile_edge);
-      double sum = 0, squares = 0;
-      for (int beside = 0; beside < power(3, Dim - 1); ++beside) {
-        Index<Dim> at = unflatten<Dim>(beside, 3);
-        for (int a = 0; a < Dim - 1; ++a) at[a] += own[a];
-        const double m = mass[std::size_t(flatten<Dim>(at, tile_edge + 2))];
-        sum += m;
-        squares += m * m;
+      Index<Dim> own = unflatten<Dim>(n, tile_edge);
+      for (int a = 0; a < Dim - 1; ++a) own[a] += 1;
+      const auto column = [](const Index<Dim>& at) { return std::size_t(flatten<Dim>(at, tile_edge + 2)); };
+      const std::size_t i = column(own);
+      if (!(on_ground[i] > 0)) continue;
+      double covered = 1;
+      for (int a = 0; a < Dim - 1; ++a) {
+        Index<Dim> before = own, after = own;
+        before[a] -= 1;
+        after[a] += 1;
+        // Behind a mirror is the image of what is in front of it. Below a cliff the ground may be out of reach.
+        const auto mass_or = [&](const Index<Dim>& at, const Index<Dim>& otherwise) {
+          for (const std::size_t there : {column(at), column(otherwise)})
+            if (inside[there] > 0 && ground.columns[there] != 0) return mass[there];
+          return mass[i];
+        };
+        covered *= covered_share(mass[i], mass_or(before, after), mass_or(after, before));
       }
-      Index<Dim> at = own;
-      for (int a = 0; a < Dim - 1; ++a) at[a] += 1;
-      const auto column = std::size_t(flatten<Dim>(at, tile_edge + 2));
-      if (on_ground[column] > 0)
-        area[std::size_t(n)] =
-            std::pow(domain_.h, Dim - 1) * inside[column] * mass[column] * sum / squares / on_ground[column];
+      area[std::size_t(n)] = std::pow(domain_.h, Dim - 1) * inside[i] * covered / on_ground[i];
     }
     return area;
   }
-  /// Number of layers above the ground that determine the edge of a thick flow.
+
+  /// Share of its cell that the flow covers along an axis at a column of nodes, from its mass and those of its two
+  /// neighbours. The mass of columns decreases outwards as the shape function does, whatever the thickness of the flow:
+  /// so the ratio of the neighbour on the outside to the column determines where the edge is. Without mass on the
+  /// outside it is found from the neighbour on the inside. Exact for a layer of uniform thickness with its edge across
+  /// the axis. A flow that thins out to its edge keeps its area nearly to the edge, because the mass of its columns
+  /// decreases more slowly; a mean of the masses around would take such an edge for the end of a thick layer.
+  static double covered_share(double own, double left, double right) {
+    const double outer = std::min(left, right), inner = std::max(left, right);
+    if (own >= inner) return 1;
+    return std::max(share_before(outer / own), own / inner * share_before(own / inner));
+  }
+  /// Share of the shape function of a node (quadratic spline) that lies on a layer of uniform thickness, if the next
+  /// node on the outside has `ratio` times its share; 0 for 0.
+  static double share_before(double ratio) {
+    if (ratio <= 0) return 0;
+    const auto share = [](double s) {  // of a node s cells inside the edge, -1.5 <= s <= 1.5
+      const double d = std::abs(s), less = d < 0.5 ? 0.5 - d * (0.75 - d * d / 3) : std::pow(1.5 - d, 3) / 6;
+      return s < 0 ? less : 1 - less;
+    };
+    double low = -0.5, high = 1.5;
+    if (ratio >= share(high - 1)) return 1;
+    for (int k = 0; k < 30; ++k) {
+      const double middle = 0.5 * (low + high);
+      (share(middle - 1) < ratio * share(middle) ? low : high) = middle;
+    }
+    return share(high);
+  }
+
+  /// Most layers above the ground that determine the edge of a thick flow.
   static constexpr int layers_above = 4;
 
   /// Share of a column of nodes in the domain: one half on a mirror, zero behind it.
