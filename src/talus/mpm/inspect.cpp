@@ -28,7 +28,8 @@ double ancestor_of(const Particles<Dim>& p, int i) {
 template <int Dim>
 void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen) {
   const Particles<Dim>& p = body.particles;
-  const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(), last = first + std::size_t(p.size());
+  const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(),
+                    last = first + std::size_t(p.size());
   const auto put = [&](const Quantity& q, auto evaluate) {
     auto field = std::find_if(seen.fields.begin(), seen.fields.end(), [&](const Field& f) { return f.name == q.name; });
     if (field == seen.fields.end()) {
@@ -121,7 +122,7 @@ void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows)
 }
 
 template <int Dim>
-void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
+void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_start, Message& rows) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
@@ -132,6 +133,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
           const double volume = volume_of(law, p, i);
           rows.push_back(std::min(volume, most_room * p.mass()[i]));
           rows.push_back(p.mass()[i]);
+          rows.push_back(room_at_start * p.mass()[i]);
         }
       },
       body.law);
@@ -293,8 +295,8 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&);
 template void add_places_of_body(const Body<2>&, bool, Message&);
 template void add_places_of_body(const Body<3>&, bool, Message&);
-template void add_flow_of_body(const Body<2>&, double, Message&);
-template void add_flow_of_body(const Body<3>&, double, Message&);
+template void add_flow_of_body(const Body<2>&, double, double, Message&);
+template void add_flow_of_body(const Body<3>&, double, double, Message&);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);
