@@ -31,7 +31,8 @@ class ContactFinder {
         solids_(std::move(solids)),
         accounts_(solids_, Dim),
         unit_weight_(unit_weight),
-        ground_(solids_.size()) {
+        ground_(solids_.size()),
+        resting_(solids_.size()) {
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
   }
@@ -42,7 +43,10 @@ class ContactFinder {
   /// Updates the stored data of tiles after they have been renumbered.
   void number_tiles(std::span<const Tile<Dim>> tiles) {
     for (std::size_t n = 0; n < solids_.size(); ++n)
-      if (is_ground(solids_[n])) ground_[n].number_tiles(tiles);
+      if (is_ground(solids_[n]))
+        ground_[n].number_tiles(tiles);
+      else if (solids_[n].motion.rests())
+        resting_[n].number_tiles(tiles);
   }
 
   /// Limits a displacement of a point near solids, so that it does not end inside one.
@@ -77,15 +81,20 @@ class ContactFinder {
         continue;
       }
       const Pose pose = solid.motion.at(time);
-      const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
-      const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
-      if (solid.near(middle, pose, Dim).distance > reach) continue;
-      for (int node = 0; node < n_nodes; ++node) {
-        if (!counts(node)) continue;
-        const Vec<3> x = place_of(global_node<Dim>(place, node));
-        if (solid.near(x, pose, Dim).distance > margin * domain_.h) continue;
-        found.push_back({node, solid.contact, normal_towards_material(tiles, momentum, t, node, solid, x, pose),
+      const auto add = [&](const NodeAtSolid& at) {
+        if (!counts(at.node)) return;
+        const Vec<3> x = place_of(global_node<Dim>(place, at.node));
+        found.push_back({at.node, solid.contact, normal_towards_material(tiles, momentum, t, at, solid, x, pose),
                          pose.velocity_at(x), number, accounts_.of_solid(number)});
+      };
+      if (solid.motion.rests()) {
+        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *resting_[std::size_t(number)].of_tile[std::size_t(t)];
+        if (!nodes)
+          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(solid, pose, place, [](int) { return true; }));
+        std::for_each(nodes->begin(), nodes->end(), add);
+      } else {
+        const std::vector<NodeAtSolid> nodes = nodes_at(solid, pose, place, counts);
+        std::for_each(nodes.begin(), nodes.end(), add);
       }
     }
     for (int side = 0; side < 2 * Dim && near_wall; ++side) {
@@ -144,10 +153,46 @@ class ContactFinder {
     return std::all_of(&node[0], &node[0] + Dim, [](int i) { return i >= 0 && i < tile_edge; });
   }
 
-  /// Data of ground at rest for each tile, computed once by the thread of the tile.
-  struct GroundTiles {
-    std::map<Index<Dim>, std::unique_ptr<GroundTile>> at;
-    std::vector<std::unique_ptr<GroundTile>*> of_tile;
+  /// Node of a tile in contact with a solid, and what the surface is like there.
+  struct NodeAtSolid {
+    int node;
+    Nearness nearest;
+    bool on_edge = false;  ///< it lies on an edge of the surface
+    bool thin = false;     ///< the solid is thinner than the shape functions are wide
+    bool plain = false;    ///< the node lies in a mesh, below a surface without edges: material is on no other side
+  };
+  /// Those of the nodes that `counts`.
+  template <class Counts>
+  std::vector<NodeAtSolid> nodes_at(const Solid& solid, const Pose& pose, const Index<Dim>& tile, Counts counts) const {
+    std::vector<NodeAtSolid> nodes;
+    const Vec<3> middle = place_of(tile, 0.5 * (tile_edge - 1));
+    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+    if (solid.near(middle, pose, Dim).distance > reach) return nodes;
+    const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
+    for (int node = 0; node < n_nodes; ++node) {
+      if (!counts(node)) continue;
+      const Vec<3> x = place_of(global_node<Dim>(tile, node));
+      NodeAtSolid at{node, near(x)};
+      if (at.nearest.distance > margin * domain_.h) continue;
+      if (at.nearest.distance >= -rounding * domain_.h) {
+        at.on_edge = at.nearest.distance < rounding * domain_.h && !is_smooth(near, x, at.nearest.normal);
+        at.thin = near(x - (thin_below * domain_.h) * at.nearest.normal).distance >= 0;
+      }
+      if (at.nearest.distance < -rounding * domain_.h && std::holds_alternative<Mesh>(solid.shape))
+        at.plain = near(x - (thin_below * domain_.h) * at.nearest.normal).distance < 0 &&
+                   is_smooth(near, x, at.nearest.normal, thin_below, 0.8);
+      nodes.push_back(at);
+    }
+    return nodes;
+  }
+  /// Cells: points behind a solid thinner than this reach nodes in front of it.
+  static constexpr int thin_below = 2;
+
+  /// Data of a solid at rest for each tile, computed once by the thread of the tile.
+  template <class Data>
+  struct TilesAtRest {
+    std::map<Index<Dim>, std::unique_ptr<Data>> at;
+    std::vector<std::unique_ptr<Data>*> of_tile;
 
     void number_tiles(std::span<const Tile<Dim>> tiles) {
       if (at.size() > 2 * tiles.size() + 1000) {
@@ -322,46 +367,47 @@ class ContactFinder {
 
   /// Normal of the solid on the side of the mass around a node. In a thin solid, at its edges, in its middle and on its
   /// other side, the nearest place of the surface may be on a side without material.
-  Vec<3> normal_towards_material(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node,
-                                 const Solid& solid, Vec<3> x, const Pose& pose) const {
-    const Index<Dim> own = unflatten<Dim>(node, tile_edge);
+  Vec<3> normal_towards_material(const Tile<Dim>* tiles, const MassMomentum* momentum, int t,
+                                 const NodeAtSolid& at_solid, const Solid& solid, Vec<3> x, const Pose& pose) const {
+    const Index<Dim> own = unflatten<Dim>(at_solid.node, tile_edge);
     const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
-    const Nearness nearest = near(x);
+    const Nearness& nearest = at_solid.nearest;
+    if (at_solid.plain) return nearest.normal;
     if (nearest.distance < -rounding * domain_.h) {
       const auto [towards, mass] = mass_around(tiles, momentum, t, own, 1, [](const Index<Dim>&) { return true; });
-      if (!(std::sqrt(dot(towards, towards)) > 1e-3 * mass)) return nearest.normal;  // as much on either side
+      const double length = std::sqrt(dot(towards, towards));
+      if (!(length > 1e-3 * mass)) return nearest.normal;  // as much on either side
       return way_out(near, x, towards).value_or(nearest).normal;
     }
     // On the surface or in front of it. If the solid is thinner than the shape functions are wide, points behind it
     // reach the node too, and at an edge there are several normals. Then nodes outside the solid determine where the
     // material is, because those inside are reached from all sides.
-    constexpr int reach = 2;
-    const bool on_edge = nearest.distance < rounding * domain_.h && !is_smooth(near, x, nearest.normal);
-    const bool thin = near(x - (reach * domain_.h) * nearest.normal).distance >= 0;
-    if (!on_edge && !thin) return nearest.normal;
-    const Vec<3> towards = mass_around(tiles, momentum, t, own, reach, [&](const Index<Dim>& offset) {
+    if (!at_solid.on_edge && !at_solid.thin) return nearest.normal;
+    const Vec<3> towards = mass_around(tiles, momentum, t, own, thin_below, [&](const Index<Dim>& offset) {
                              Vec<3> there = x;
                              for (int a = 0; a < Dim; ++a) there[a] += domain_.h * offset[a];
                              return near(there).distance > margin * domain_.h;
                            }).first;
     const double length = std::sqrt(dot(towards, towards));
     if (length == 0) return nearest.normal;
-    if (on_edge)
+    if (at_solid.on_edge)
       if (const Nearness beside = near(x + (nearby * domain_.h / length) * towards); beside.distance > 0)
         return beside.normal;
     if (dot(towards, nearest.normal) >= 0) return nearest.normal;
     return way_out(near, x, towards).value_or(nearest).normal;
   }
 
-  /// Whether a surface has no edge at a place on it.
+  /// Whether a surface has no edge at a place on it: at a distance along it [cells] its normal differs by an angle whose
+  /// cosine is at least `cosine`.
   template <class Near>
-  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal) const {
+  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal, double distance = nearby,
+                 double cosine = 0.99) const {
     for (int a = 0; a < Dim; ++a) {
       Vec<3> along{};
       along[a] = 1;
       along = along - normal[a] * normal;
       for (double sign : {-1.0, 1.0})
-        if (dot(near(x + (sign * nearby * domain_.h) * along).normal, normal) < 0.99) return false;
+        if (dot(near(x + (sign * distance * domain_.h) * along).normal, normal) < cosine) return false;
     }
     return true;
   }
@@ -414,7 +460,8 @@ class ContactFinder {
   std::vector<Solid> solids_;
   AccountNumbers accounts_;
   double unit_weight_;
-  std::vector<GroundTiles> ground_;  ///< one for each solid that is ground
+  std::vector<TilesAtRest<GroundTile>> ground_;                 ///< one for each solid that is ground
+  std::vector<TilesAtRest<std::vector<NodeAtSolid>>> resting_;  ///< one for each other solid at rest
   bool any_ = false;
 };
 
