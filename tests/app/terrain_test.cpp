@@ -32,6 +32,10 @@ TEST_F(ALandslide, LeavesMapsThatHoldAllOfItsVolume) {
   EXPECT_GT(released, 30000);
   // The flow may loosen; what has been thrown up counts as loose, not as large.
   EXPECT_NEAR(maps.at("deposited_cubic_metre").get<double>() / released, 1, 0.05);
+  // The volume on the maps is that of the particles, and nothing has left.
+  EXPECT_NEAR(maps.at("deposited_cubic_metre").get<double>() / maps.at("particles_cubic_metre").get<double>(), 1, 1e-6);
+  EXPECT_NEAR(maps.at("particles_at_start_cubic_metre").get<double>() / released, 1, 1e-6);
+  EXPECT_NEAR(maps.at("bulking_factor").get<double>(), maps.at("deposited_cubic_metre").get<double>() / released, 1e-6);
   const double drop = maps.at("drop_metre"), speed = maps.at("peak_speed_metre_per_second");
   EXPECT_GT(drop, 20);
   EXPECT_LT(speed, std::sqrt(2 * 9.81 * 150));  // of a free fall by the slope's height

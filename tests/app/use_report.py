@@ -199,12 +199,12 @@ def use_map(page):
     canvas = element("map_canvas")
     size = canvas.size
     for what, name in (("pft", "Peak flow thickness"), ("pfv", "Peak flow speed"), ("ppr", "Peak dynamic pressure"),
-                       ("arrival", "Time of arrival"), ("deposit", "Deposit thickness")):
+                       ("arrival", "Time of arrival"), ("deposit", "Deposit thickness"), ("change", "Change of the surface")):
         Select(element("map_layer")).select_by_value([o.get_attribute("value") for o in Select(element("map_layer")).options
                                                       if o.text.startswith(name)][0])
         wait(lambda: state()["layer"] == what)
         head, numbers = asc(what)
-        rows, columns = numpy.where(numbers > 0)
+        rows, columns = numpy.where(numbers > (0.01 if what == "change" else 0))
         for i in range(0, len(rows), max(1, len(rows) // 7)):
             east = head["xllcorner"] + (columns[i] + 0.5) * head["cellsize"]
             north = head["yllcorner"] + (head["nrows"] - rows[i] - 0.5) * head["cellsize"]

@@ -40,6 +40,7 @@ FlowPoints moved(const Case& what, double way, double speed) {
     points.velocities.push_back({speed, 0, 0});
     points.volumes.push_back(volume);
     points.masses.push_back(2000 * volume);
+    points.volumes_at_start.push_back(0.8 * volume);
   });
   return points;
 }
@@ -68,6 +69,9 @@ TEST_F(TerrainMapsOfASlope, TellHowFarAndHowDeepTheFlowWent) {
   const Runout r = maps.write(0.1, moved(slope_, 40, 0)).runout;
   EXPECT_NEAR(r.released, 800, 1e-9);
   EXPECT_NEAR(r.deposited, 800, 1e-9);
+  EXPECT_NEAR(r.particles, 800, 1e-9);
+  EXPECT_NEAR(r.at_start, 640, 1e-9);
+  EXPECT_NEAR(r.bulking(), 1.25, 1e-12);
   EXPECT_EQ(r.speed, 12);
   // Points of 1.25 m thickness, two above one another, are 12.5^(1/3) m = 2.32 m wide and cover pixels evenly enough.
   EXPECT_NEAR(r.thickness, 2 / std::hypot(1, 0.5), 0.02);

@@ -31,7 +31,8 @@ class ContactFinder {
         solids_(std::move(solids)),
         accounts_(solids_, Dim),
         unit_weight_(unit_weight),
-        ground_(solids_.size()) {
+        ground_(solids_.size()),
+        resting_(solids_.size()) {
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
   }
@@ -42,7 +43,10 @@ class ContactFinder {
   /// Updates the stored data of tiles after they have been renumbered.
   void number_tiles(std::span<const Tile<Dim>> tiles) {
     for (std::size_t n = 0; n < solids_.size(); ++n)
-      if (is_ground(solids_[n])) ground_[n].number_tiles(tiles);
+      if (is_ground(solids_[n]))
+        ground_[n].number_tiles(tiles);
+      else if (solids_[n].motion.rests())
+        resting_[n].number_tiles(tiles);
   }
 
   /// Limits a displacement of a point near solids, so that it does not end inside one.
@@ -77,15 +81,20 @@ class ContactFinder {
         continue;
       }
       const Pose pose = solid.motion.at(time);
-      const Vec<3> middle = place_of(place, 0.5 * (tile_edge - 1));
-      const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
-      if (solid.near(middle, pose, Dim).distance > reach) continue;
-      for (int node = 0; node < n_nodes; ++node) {
-        if (!counts(node)) continue;
-        const Vec<3> x = place_of(global_node<Dim>(place, node));
-        if (solid.near(x, pose, Dim).distance > margin * domain_.h) continue;
-        found.push_back({node, solid.contact, normal_towards_material(tiles, momentum, t, node, solid, x, pose),
+      const auto add = [&](const NodeAtSolid& at) {
+        if (!counts(at.node)) return;
+        const Vec<3> x = place_of(global_node<Dim>(place, at.node));
+        found.push_back({at.node, solid.contact, normal_towards_material(tiles, momentum, t, at, solid, x, pose),
                          pose.velocity_at(x), number, accounts_.of_solid(number)});
+      };
+      if (solid.motion.rests()) {
+        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *resting_[std::size_t(number)].of_tile[std::size_t(t)];
+        if (!nodes)
+          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(solid, pose, place, [](int) { return true; }));
+        std::for_each(nodes->begin(), nodes->end(), add);
+      } else {
+        const std::vector<NodeAtSolid> nodes = nodes_at(solid, pose, place, counts);
+        std::for_each(nodes.begin(), nodes.end(), add);
       }
     }
     for (int side = 0; side < 2 * Dim && near_wall; ++side) {
@@ -144,10 +153,46 @@ class ContactFinder {
     return std::all_of(&node[0], &node[0] + Dim, [](int i) { return i >= 0 && i < tile_edge; });
   }
 
-  /// Data of ground at rest for each tile, computed once by the thread of the tile.
-  struct GroundTiles {
-    std::map<Index<Dim>, std::unique_ptr<GroundTile>> at;
-    std::vector<std::unique_ptr<GroundTile>*> of_tile;
+  /// Node of a tile in contact with a solid, and what the surface is like there.
+  struct NodeAtSolid {
+    int node;
+    Nearness nearest;
+    bool on_edge = false;  ///< it lies on an edge of the surface
+    bool thin = false;     ///< the solid is thinner than the shape functions are wide
+    bool plain = false;    ///< the node lies in a mesh, below a surface without edges: material is on no other side
+  };
+  /// Those of the nodes that `counts`.
+  template <class Counts>
+  std::vector<NodeAtSolid> nodes_at(const Solid& solid, const Pose& pose, const Index<Dim>& tile, Counts counts) const {
+    std::vector<NodeAtSolid> nodes;
+    const Vec<3> middle = place_of(tile, 0.5 * (tile_edge - 1));
+    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+    if (solid.near(middle, pose, Dim).distance > reach) return nodes;
+    const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
+    for (int node = 0; node < n_nodes; ++node) {
+      if (!counts(node)) continue;
+      const Vec<3> x = place_of(global_node<Dim>(tile, node));
+      NodeAtSolid at{node, near(x)};
+      if (at.nearest.distance > margin * domain_.h) continue;
+      if (at.nearest.distance >= -rounding * domain_.h) {
+        at.on_edge = at.nearest.distance < rounding * domain_.h && !is_smooth(near, x, at.nearest.normal);
+        at.thin = near(x - (thin_below * domain_.h) * at.nearest.normal).distance >= 0;
+      }
+      if (at.nearest.distance < -rounding * domain_.h && std::holds_alternative<Mesh>(solid.shape))
+        at.plain = near(x - (thin_below * domain_.h) * at.nearest.normal).distance < 0 &&
+                   is_smooth(near, x, at.nearest.normal, thin_below, 0.8);
+      nodes.push_back(at);
+    }
+    return nodes;
+  }
+  /// Cells: points behind a solid thinner than this reach nodes in front of it.
+  static constexpr int thin_below = 2;
+
+  /// Data of a solid at rest for each tile, computed once by the thread of the tile.
+  template <class Data>
+  struct TilesAtRest {
+    std::map<Index<Dim>, std::unique_ptr<Data>> at;
+    std::vector<std::unique_ptr<Data>*> of_tile;
 
     void number_tiles(std::span<const Tile<Dim>> tiles) {
       if (at.size() > 2 * tiles.size() + 1000) {
@@ -201,19 +246,19 @@ class ContactFinder {
 
   /// Area in plan [m2] of the material around each column of nodes, over the mass of its nodes in contact with the
   /// ground, for turbulent friction. Inside a flow the area is that of a cell. At its edge nodes outside the flow have
-  /// mass too; with a whole cell for each, a patch would have the friction of one two cells wider. So the area of a
-  /// column is the share T_i/T of a cell, with the mass T_i of the column and the mean of those around it, T = sum
-  /// T_j^2/sum T_j, to which columns at the edge contribute little.
+  /// mass too; so the area is the product of the shares of a cell that the flow covers along both axes.
   std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
                                              const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
     std::array<double, n_columns> inside{}, mass{}, on_ground{};
+    int above = layers_above;  // as many for all columns, so that they compare
+    const auto highest_on_ground = [](unsigned nodes) { return int(std::bit_width(nodes)) - 1 - column_reach; };
+    for (const unsigned nodes : ground.columns) above = std::min(above, 2 * tile_edge - highest_on_ground(nodes));
     for (std::size_t column = 0; column < n_columns; ++column) {
       const unsigned nodes = ground.columns[column];
       Index<Dim> i = foot_of_column(int(column));
       inside[column] = share_inside(walls, tiles[t].place, i);
       if (nodes == 0 || inside[column] == 0) continue;
-      const int highest = int(std::bit_width(nodes)) - 1 - column_reach;
-      for (int layer = -tile_edge; layer < std::min(highest + layers_above, 2 * tile_edge); ++layer) {
+      for (int layer = -tile_edge; layer < highest_on_ground(nodes) + above; ++layer) {
         i[Dim - 1] = layer;
         const double m = mass_beside(tiles, momentum, t, i);
         mass[column] += m / inside[column];
@@ -222,25 +267,58 @@ class ContactFinder {
     }
     std::array<double, n_across> area{};
     for (int n = 0; n < n_across; ++n) {
-      const Index<Dim> own = unflatten<Dim>(n, tile_edge);
-      double sum = 0, squares = 0;
-      for (int beside = 0; beside < power(3, Dim - 1); ++beside) {
-        Index<Dim> at = unflatten<Dim>(beside, 3);
-        for (int a = 0; a < Dim - 1; ++a) at[a] += own[a];
-        const double m = mass[std::size_t(flatten<Dim>(at, tile_edge + 2))];
-        sum += m;
-        squares += m * m;
+      Index<Dim> own = unflatten<Dim>(n, tile_edge);
+      for (int a = 0; a < Dim - 1; ++a) own[a] += 1;
+      const auto column = [](const Index<Dim>& at) { return std::size_t(flatten<Dim>(at, tile_edge + 2)); };
+      const std::size_t i = column(own);
+      if (!(on_ground[i] > 0)) continue;
+      double covered = 1;
+      for (int a = 0; a < Dim - 1; ++a) {
+        Index<Dim> before = own, after = own;
+        before[a] -= 1;
+        after[a] += 1;
+        // Behind a mirror is the image of what is in front of it. Below a cliff the ground may be out of reach.
+        const auto mass_or = [&](const Index<Dim>& at, const Index<Dim>& otherwise) {
+          for (const std::size_t there : {column(at), column(otherwise)})
+            if (inside[there] > 0 && ground.columns[there] != 0) return mass[there];
+          return mass[i];
+        };
+        covered *= covered_share(mass[i], mass_or(before, after), mass_or(after, before));
       }
-      Index<Dim> at = own;
-      for (int a = 0; a < Dim - 1; ++a) at[a] += 1;
-      const auto column = std::size_t(flatten<Dim>(at, tile_edge + 2));
-      if (on_ground[column] > 0)
-        area[std::size_t(n)] =
-            std::pow(domain_.h, Dim - 1) * inside[column] * mass[column] * sum / squares / on_ground[column];
+      area[std::size_t(n)] = std::pow(domain_.h, Dim - 1) * inside[i] * covered / on_ground[i];
     }
     return area;
   }
-  /// Number of layers above the ground that determine the edge of a thick flow.
+
+  /// Share of its cell that the flow covers along an axis at a column of nodes, from its mass and those of its two
+  /// neighbours. The mass of columns decreases outwards as the shape function does, whatever the thickness of the flow:
+  /// so the ratio of the neighbour on the outside to the column determines where the edge is. Without mass on the
+  /// outside it is found from the neighbour on the inside. Exact for a layer of uniform thickness with its edge across
+  /// the axis. A flow that thins out to its edge keeps its area nearly to the edge, because the mass of its columns
+  /// decreases more slowly; a mean of the masses around would take such an edge for the end of a thick layer.
+  static double covered_share(double own, double left, double right) {
+    const double outer = std::min(left, right), inner = std::max(left, right);
+    if (own >= inner) return 1;
+    return std::max(share_before(outer / own), own / inner * share_before(own / inner));
+  }
+  /// Share of the shape function of a node (quadratic spline) that lies on a layer of uniform thickness, if the next
+  /// node on the outside has `ratio` times its share; 0 for 0.
+  static double share_before(double ratio) {
+    if (ratio <= 0) return 0;
+    const auto share = [](double s) {  // of a node s cells inside the edge, -1.5 <= s <= 1.5
+      const double d = std::abs(s), less = d < 0.5 ? 0.5 - d * (0.75 - d * d / 3) : std::pow(1.5 - d, 3) / 6;
+      return s < 0 ? less : 1 - less;
+    };
+    double low = -0.5, high = 1.5;
+    if (ratio >= share(high - 1)) return 1;
+    for (int k = 0; k < 30; ++k) {
+      const double middle = 0.5 * (low + high);
+      (share(middle - 1) < ratio * share(middle) ? low : high) = middle;
+    }
+    return share(high);
+  }
+
+  /// Most layers above the ground that determine the edge of a thick flow.
   static constexpr int layers_above = 4;
 
   /// Share of a column of nodes in the domain: one half on a mirror, zero behind it.
@@ -289,46 +367,47 @@ class ContactFinder {
 
   /// Normal of the solid on the side of the mass around a node. In a thin solid, at its edges, in its middle and on its
   /// other side, the nearest place of the surface may be on a side without material.
-  Vec<3> normal_towards_material(const Tile<Dim>* tiles, const MassMomentum* momentum, int t, int node,
-                                 const Solid& solid, Vec<3> x, const Pose& pose) const {
-    const Index<Dim> own = unflatten<Dim>(node, tile_edge);
+  Vec<3> normal_towards_material(const Tile<Dim>* tiles, const MassMomentum* momentum, int t,
+                                 const NodeAtSolid& at_solid, const Solid& solid, Vec<3> x, const Pose& pose) const {
+    const Index<Dim> own = unflatten<Dim>(at_solid.node, tile_edge);
     const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
-    const Nearness nearest = near(x);
+    const Nearness& nearest = at_solid.nearest;
+    if (at_solid.plain) return nearest.normal;
     if (nearest.distance < -rounding * domain_.h) {
       const auto [towards, mass] = mass_around(tiles, momentum, t, own, 1, [](const Index<Dim>&) { return true; });
-      if (!(std::sqrt(dot(towards, towards)) > 1e-3 * mass)) return nearest.normal;  // as much on either side
+      const double length = std::sqrt(dot(towards, towards));
+      if (!(length > 1e-3 * mass)) return nearest.normal;  // as much on either side
       return way_out(near, x, towards).value_or(nearest).normal;
     }
     // On the surface or in front of it. If the solid is thinner than the shape functions are wide, points behind it
     // reach the node too, and at an edge there are several normals. Then nodes outside the solid determine where the
     // material is, because those inside are reached from all sides.
-    constexpr int reach = 2;
-    const bool on_edge = nearest.distance < rounding * domain_.h && !is_smooth(near, x, nearest.normal);
-    const bool thin = near(x - (reach * domain_.h) * nearest.normal).distance >= 0;
-    if (!on_edge && !thin) return nearest.normal;
-    const Vec<3> towards = mass_around(tiles, momentum, t, own, reach, [&](const Index<Dim>& offset) {
+    if (!at_solid.on_edge && !at_solid.thin) return nearest.normal;
+    const Vec<3> towards = mass_around(tiles, momentum, t, own, thin_below, [&](const Index<Dim>& offset) {
                              Vec<3> there = x;
                              for (int a = 0; a < Dim; ++a) there[a] += domain_.h * offset[a];
                              return near(there).distance > margin * domain_.h;
                            }).first;
     const double length = std::sqrt(dot(towards, towards));
     if (length == 0) return nearest.normal;
-    if (on_edge)
+    if (at_solid.on_edge)
       if (const Nearness beside = near(x + (nearby * domain_.h / length) * towards); beside.distance > 0)
         return beside.normal;
     if (dot(towards, nearest.normal) >= 0) return nearest.normal;
     return way_out(near, x, towards).value_or(nearest).normal;
   }
 
-  /// Whether a surface has no edge at a place on it.
+  /// Whether a surface has no edge at a place on it: at a distance along it [cells] its normal differs by an angle whose
+  /// cosine is at least `cosine`.
   template <class Near>
-  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal) const {
+  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal, double distance = nearby,
+                 double cosine = 0.99) const {
     for (int a = 0; a < Dim; ++a) {
       Vec<3> along{};
       along[a] = 1;
       along = along - normal[a] * normal;
       for (double sign : {-1.0, 1.0})
-        if (dot(near(x + (sign * nearby * domain_.h) * along).normal, normal) < 0.99) return false;
+        if (dot(near(x + (sign * distance * domain_.h) * along).normal, normal) < cosine) return false;
     }
     return true;
   }
@@ -381,7 +460,8 @@ class ContactFinder {
   std::vector<Solid> solids_;
   AccountNumbers accounts_;
   double unit_weight_;
-  std::vector<GroundTiles> ground_;  ///< one for each solid that is ground
+  std::vector<TilesAtRest<GroundTile>> ground_;                 ///< one for each solid that is ground
+  std::vector<TilesAtRest<std::vector<NodeAtSolid>>> resting_;  ///< one for each other solid at rest
   bool any_ = false;
 };
 

@@ -168,7 +168,7 @@ void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows)
 }
 
 template <int Dim>
-void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
+void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_start, Message& rows) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
@@ -179,6 +179,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows) {
           const double volume = volume_of(law, p, i);
           rows.push_back(std::min(volume, most_room * p.mass()[i]));
           rows.push_back(p.mass()[i]);
+          rows.push_back(room_at_start * p.mass()[i]);
         }
       },
       body.law);
@@ -342,8 +343,8 @@ template void observe_body(const Body<3>&, int, const std::vector<SymTensor<doub
                            const std::vector<std::string>&);
 template void add_places_of_body(const Body<2>&, bool, Message&);
 template void add_places_of_body(const Body<3>&, bool, Message&);
-template void add_flow_of_body(const Body<2>&, double, Message&);
-template void add_flow_of_body(const Body<3>&, double, Message&);
+template void add_flow_of_body(const Body<2>&, double, double, Message&);
+template void add_flow_of_body(const Body<3>&, double, double, Message&);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);

@@ -58,11 +58,11 @@ template <int Dim>
 void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows);
 inline constexpr std::size_t place_row = 7;  ///< numbers of a particle there
 
-/// Adds the id, place, velocity, volume and mass of each of a body's particles. What has more than `most_room` [m3/kg] is
-/// spray, whose volume is mostly gap: it has so much.
+/// Adds the id, place, velocity, volume, mass and volume at the start of each of a body's particles. What has more than
+/// `most_room` [m3/kg] is spray, whose volume is mostly gap: it has so much. `room_at_start` [m3/kg]: of the body.
 template <int Dim>
-void add_flow_of_body(const Body<Dim>& body, double most_room, Message& rows);
-inline constexpr std::size_t flow_row = 9;  ///< numbers of a particle there
+void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_start, Message& rows);
+inline constexpr std::size_t flow_row = 10;  ///< numbers of a particle there
 
 /// What the pressure in a tile follows from: sums over the particles of each of its cells.
 template <int Dim>

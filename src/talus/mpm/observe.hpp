@@ -77,13 +77,17 @@ ParticlePlaces places_of(const Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 FlowPoints flow_of(const Model<Dim, Shape>& m) {
   Message mine;
-  for (std::size_t b = 0; b < m.bodies.size(); ++b) add_flow_of_body<Dim>(m.bodies[b], m.most_room[b], mine);
+  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+    const double room = m.most_room[b];
+    add_flow_of_body<Dim>(m.bodies[b], room, room / Model<Dim, Shape>::loosest, mine);
+  }
   FlowPoints points;
   for (const double* row : GatheredRows(m.backend, mine, flow_row)) {
     points.places.push_back({row[1], row[2], row[3]});
     points.velocities.push_back({row[4], row[5], row[6]});
     points.volumes.push_back(row[7]);
     points.masses.push_back(row[8]);
+    points.volumes_at_start.push_back(row[9]);
   }
   return points;
 }

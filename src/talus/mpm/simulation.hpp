@@ -55,6 +55,7 @@ struct ParticlePlaces {
 struct FlowPoints {
   std::vector<Vec<3>> places, velocities;  ///< [m], [m/s]
   std::vector<double> volumes, masses;     ///< [m3], [kg]
+  std::vector<double> volumes_at_start;    ///< of the same mass [m3]; empty where it is not asked for
 };
 
 /// Pressure in a tile of the grid (four cells along each axis), of all materials that may flow.

@@ -114,11 +114,10 @@ std::string map_view(const std::filesystem::path& folder, const Case& case_, con
   struct Layer {
     const char *id, *name, *unit, *scale;
   };
-  static constexpr Layer layers[] = {{"pft", "Peak flow thickness", "m", "linear"},
-                                     {"pfv", "Peak flow speed", "m/s", "linear"},
-                                     {"ppr", "Peak dynamic pressure", "kPa", "logarithmic"},
-                                     {"arrival", "Time of arrival", "s", "linear"},
-                                     {"deposit", "Deposit thickness", "m", "linear"}};
+  static constexpr Layer layers[] = {
+      {"pft", "Peak flow thickness", "m", "linear"},          {"pfv", "Peak flow speed", "m/s", "linear"},
+      {"ppr", "Peak dynamic pressure", "kPa", "logarithmic"}, {"arrival", "Time of arrival", "s", "linear"},
+      {"deposit", "Deposit thickness", "m", "linear"},        {"change", "Change of the surface", "m", "about_zero"}};
   std::string data;
   nlohmann::json scene;
   const PlanRaster peak = read(map_file(folder, case_, case_text, "pft"));

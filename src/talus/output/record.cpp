@@ -187,6 +187,9 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   if (run.runout)
     record["maps"] = {{"released_cubic_metre", run.runout->released},
                       {"deposited_cubic_metre", run.runout->deposited},
+                      {"particles_cubic_metre", run.runout->particles},
+                      {"particles_at_start_cubic_metre", run.runout->at_start},
+                      {"bulking_factor", run.runout->bulking()},
                       {"area_square_metre", run.runout->area},
                       {"drop_metre", run.runout->drop},
                       {"length_metre", run.runout->length},

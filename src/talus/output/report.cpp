@@ -188,7 +188,10 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
     section += fmt::format("<tr><td>{}</td><td class=\"n\">{}</td></tr>\n", name, value);
   };
   row("released", fmt::format("{} m\u00b3", grouped(r.released)));
-  row("on the ground at the end", fmt::format("{} m\u00b3", grouped(r.deposited)));
+  row("of it in the domain at the end, as released", fmt::format("{} m\u00b3", grouped(r.at_start)));
+  row("its volume at the end", fmt::format("{} m\u00b3", grouped(r.particles)));
+  row("volume on the maps at the end", fmt::format("{} m\u00b3", grouped(r.deposited)));
+  row("bulking factor: volume at the end over volume as released", fmt::format("{:.3f}", r.bulking()));
   row("area reached by the flow, in plan", fmt::format("{} m\u00b2", grouped(r.area)));
   row("drop from the highest point of the release to the farthest point reached", fmt::format("{} m", grouped(r.drop)));
   row("distance between them, in plan", fmt::format("{} m", grouped(r.length)));
@@ -200,7 +203,9 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
   row("largest speed", fmt::format("{:.3g} m/s", r.speed));
   section +=
       "</table>\n<p>Thickness is normal to the ground. Speed and arrival are given where material is thicker than "
-      "the limit <code>output.maps.least_thickness</code>. The rasters are in the folder <code>maps</code>.</p>\n";
+      "the limit <code>output.maps.least_thickness</code>. Maps show the present volume of the material: it is larger "
+      "than released where the material is loose, by 25 % at most. The rasters are in the folder "
+      "<code>maps</code>.</p>\n";
   try {
     MapBudget budget;
     if (case_.output.report == ReportSize::full)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numeric>
 
 #include "talus/base/file.hpp"
 #include "talus/base/units.hpp"
@@ -289,6 +290,8 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
   }
   write_raster_of(folder_, "depositvertical", end.vertical_thickness, "m", "Vertical thickness at the end");
   result.runout = runout(end);
+  result.runout.particles = std::accumulate(points.volumes.begin(), points.volumes.end(), 0.0);
+  result.runout.at_start = std::accumulate(points.volumes_at_start.begin(), points.volumes_at_start.end(), 0.0);
   if (!profile_) return result;
   const PlanRaster release = release_of(case_);
   const fs::path csv = folder_.parent_path() / "profile.csv";

@@ -26,8 +26,15 @@ PlanRaster release_of(const Case& case_);
 
 /// What the maps of a run say in numbers.
 struct Runout {
-  double released = 0, deposited = 0;  ///< volume [m3]; what is spray counts by the loosest packing there may be
-  double area = 0;                     ///< in plan, where flow has been [m2]
+  double released = 0;   ///< volume at the start [m3]
+  double deposited = 0;  ///< volume on the maps at the end [m3]
+  /// Volume of the particles at the end [m3], as maps count it: particles without contact have 1.25 times their volume
+  /// at the start at most. On the maps, but for what lies beside them.
+  double particles = 0;
+  double at_start = 0;  ///< volume that these particles had at the start [m3]
+  /// Bulking factor: present volume over that at the start.
+  double bulking() const { return at_start > 0 ? particles / at_start : 1; }
+  double area = 0;              ///< in plan, where flow has been [m2]
   double drop = 0, length = 0;  ///< from the highest place of the release to the farthest that flow has reached [m]
   Vec<2> farthest{};            ///< that place, on the map [m]
   double thickness = 0;         ///< largest of all [m], normal to the ground

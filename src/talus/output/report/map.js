@@ -41,6 +41,8 @@
     const i = Math.min(5, Math.floor(6 * t)), w = 6 * t - i;
     return samples[i].map((s, k) => Math.round(s * (1 - w) + samples[i + 1][k] * w));
   };
+  // Change of the surface: blue where it has sunk, red where it has risen, as in the pictures.
+  const about_zero = [[5, 48, 97], [33, 102, 172], [116, 173, 209], [244, 165, 130], [178, 24, 43], [103, 0, 31]];
   // Limits of classes: round numbers; of pressure 1, 3, 10, 30, ...
   function classes_of(layer) {
     const range = layer.packed.range || [0, 0, 1, 1], most = range[3] > 0 ? range[3] : 1;
@@ -48,6 +50,10 @@
       const all = [];
       for (let e = -3; e < 9; ++e) for (const m of [1, 3]) if (m * 10 ** e < most) all.push(m * 10 ** e);
       return [0, ...all.slice(-7)];
+    }
+    if (layer.scale === "about_zero") {
+      const either = Math.max(-range[0], range[3]) || 1, wide = round_step(either / 5), n = Math.ceil(either / wide - 1e-9);
+      return Array.from({length: 2 * n}, (_, i) => (i - n) * wide);
     }
     const step = round_step(most / 9);
     return Array.from({length: Math.max(1, Math.ceil(most / step - 1e-9))}, (_, i) => i * step);
@@ -57,9 +63,16 @@
     {id: "thickness", name: "Thickness in time", unit: "m", in_time: true, classes: classes_of(thickness)},
     {id: "speed", name: "Speed in time", unit: "m/s", in_time: true, classes: classes_of(speed)}];
   const is_thickness = (c) => c.id === "pft" || c.id === "deposit" || c.id === "thickness";
-  const is_drawn = (c, v) => Number.isFinite(v) && (!is_thickness(c) || v > scene.least_thickness);
+  const is_drawn = (c, v) => Number.isFinite(v) && (c.scale === "about_zero" ? Math.abs(v) > scene.least_thickness : !is_thickness(c) || v > scene.least_thickness);
   const class_of = (c, v) => { let k = 0; while (k + 1 < c.classes.length && v >= c.classes[k + 1]) ++k; return k; };
-  const colour_of = (c, k) => colour_at(c.classes.length > 1 ? k / (c.classes.length - 1) : 0.5);
+  const colour_of = (c, k) => {
+    const n = c.classes.length;
+    if (c.scale !== "about_zero") return colour_at(n > 1 ? k / (n - 1) : 0.5);
+    const half = n / 2, from_zero = k < half ? half - 1 - k : k - half;  // three colours either way
+    const t = half > 1 ? 2 * from_zero / (half - 1) : 1, i = Math.min(1, Math.floor(t)), w = t - i;
+    const [a, b] = k < half ? [about_zero[2 - i], about_zero[1 - i]] : [about_zero[3 + i], about_zero[4 + i]];
+    return a.map((s, m) => Math.round(s * (1 - w) + b[m] * w));
+  };
 
   // ---- the ground ---------------------------------------------------------------------------------------------------
 
@@ -263,7 +276,7 @@
       limits.forEach((l, i) => {
         const k = last - i, y = 48 + 22 * i;
         pen.fillStyle = css(k); pen.fillRect(x, y, 26, 20);
-        pen.fillStyle = "#222"; pen.fillText(`${short(k ? limits[k] : first)}${k === last && last ? " and more" : last ? " \u2013 " + short(limits[k + 1]) : " and more"}`, x + 34, y + 11);
+        pen.fillStyle = "#222"; pen.fillText(`${short(k ? limits[k] : first)}${k === last && last ? " and more" : last ? (first < 0 ? " to " : " \u2013 ") + short(limits[k + 1]) : " and more"}`, x + 34, y + 11);
       });
       let y = 64 + 22 * limits.length;
       for (const o of others) { key(o, x, y); pen.fillStyle = "#222"; pen.fillText(o.name, x + 30, y); y += 22; }
