@@ -119,24 +119,33 @@ std::string file_of(const Observation& seen, const std::vector<std::string>& nam
   return bytes;
 }
 
+/// The first of every `every` rows.
 template <class T>
-std::vector<T> read_values(hid_t set, hid_t wanted) {
+std::vector<T> read_values(hid_t set, hid_t wanted, std::size_t every = 1) {
   const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
-  std::vector<T> values(std::size_t(std::max<hssize_t>(0, H5Sget_simple_extent_npoints(space))));
-  if (!values.empty()) check(H5Dread(set, wanted, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "read a dataset");
+  hsize_t size[H5S_MAX_RANK] = {0, 1};
+  const int rank = H5Sget_simple_extent_dims(space, size, nullptr);
+  check(rank == 1 || rank == 2 ? 0 : -1, "read a dataset");
+  size[0] = (size[0] + every - 1) / every;
+  std::vector<T> values(std::size_t(size[0] * size[1]));
+  if (values.empty()) return values;
+  const hsize_t first[2] = {0, 0}, stride[2] = {every, 1};
+  const Handle rows(H5Screate_simple(rank, size, nullptr), H5Sclose, "make a space");
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, first, stride, size, nullptr), "select rows");
+  check(H5Dread(set, wanted, rows, space, H5P_DEFAULT, values.data()), "read a dataset");
   return values;
 }
 
-Field read_field(hid_t group, const std::string& name) {
+Field read_field(hid_t group, const std::string& name, std::size_t every) {
   const Handle set(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
   const Handle space(H5Dget_space(set), H5Sclose, "read a dataset");
   hsize_t dims[H5S_MAX_RANK] = {0, 1};
   const int rank = H5Sget_simple_extent_dims(space, dims, nullptr);
   return {name, read_text_attribute(set, "units"), read_text_attribute(set, "meaning"), rank == 2 ? int(dims[1]) : 1,
-          read_values<double>(set, H5T_NATIVE_DOUBLE)};
+          read_values<double>(set, H5T_NATIVE_DOUBLE, every)};
 }
 
-Observation read_file(const std::filesystem::path& path) {
+Observation read_file(const std::filesystem::path& path, std::size_t every) {
   const Handle file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open the file");
   const Handle root(H5Gopen2(file, "VTKHDF", H5P_DEFAULT), H5Gclose, "find its points");
   const Handle data(H5Gopen2(root, "PointData", H5P_DEFAULT), H5Gclose, "find its fields");
@@ -145,7 +154,7 @@ Observation read_file(const std::filesystem::path& path) {
   const Handle step(H5Dopen2(run, "step", H5P_DEFAULT), H5Dclose, "find its step");
   Observation seen{read_values<double>(time, H5T_NATIVE_DOUBLE).at(0),
                    read_values<long>(step, H5T_NATIVE_LONG).at(0),
-                   {read_field(root, "Points")}};
+                   {read_field(root, "Points", every)}};
   seen.fields[0].name = "position";
   H5G_info_t all;
   check(H5Gget_info(data, &all), "count its fields");
@@ -155,17 +164,28 @@ Observation read_file(const std::filesystem::path& path) {
     };
     std::string text(std::size_t(std::max<ssize_t>(0, name(nullptr, 0))), ' ');
     check(name(text.data(), text.size() + 1) < 0 ? -1 : 0, "name a field");
-    seen.fields.push_back(read_field(data, text));
+    seen.fields.push_back(read_field(data, text, every));
   }
   return seen;
 }
 
 }  // namespace
 
-Observation read_snapshot(const std::filesystem::path& file) {
+std::size_t particles_in(const std::filesystem::path& snapshot) {
   hdf5::begin();
   try {
-    return read_file(file);
+    const Handle file(H5Fopen(snapshot.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose, "open the file");
+    const Handle count(H5Dopen2(file, "VTKHDF/NumberOfPoints", H5P_DEFAULT), H5Dclose, "find its points");
+    return std::size_t(read_values<long>(count, H5T_NATIVE_LONG).at(0));
+  } catch (const std::exception& e) {
+    throw std::runtime_error(fmt::format("the snapshot {} could not be read: {}", snapshot.string(), e.what()));
+  }
+}
+
+Observation read_snapshot(const std::filesystem::path& file, std::size_t every) {
+  hdf5::begin();
+  try {
+    return read_file(file, every);
   } catch (const std::exception& e) {
     throw std::runtime_error(fmt::format("the snapshot {} could not be read: {}", file.string(), e.what()));
   }

@@ -41,8 +41,11 @@ using WriteRows = std::function<void(const std::string& dataset, std::size_t fir
 void fill_snapshot(const ObservedPart& part, const std::vector<std::string>& fields, const WriteRows& write);
 
 /// Reads a snapshot of write_snapshot: the positions, then the fields by name. Throws std::runtime_error if the file is not
-/// one.
-Observation read_snapshot(const std::filesystem::path& file);
+/// one. `every`: the first of so many particles only.
+Observation read_snapshot(const std::filesystem::path& file, std::size_t every = 1);
+
+/// Particles in a snapshot. Throws as read_snapshot.
+std::size_t particles_in(const std::filesystem::path& snapshot);
 
 /// The files that a series file lists, in its order. Throws std::runtime_error if it cannot be read.
 std::vector<std::filesystem::path> read_series(const std::filesystem::path& series_file);

@@ -18,10 +18,11 @@ namespace talus {
 
 namespace {
 
-/// Every `every`-th number of component `c`.
-std::vector<double> component(const Field& field, int c, std::size_t every) {
+/// Component `c` of all particles.
+std::vector<double> component(const Field& field, int c) {
   std::vector<double> values;
-  for (std::size_t i = c; i < field.values.size(); i += every * field.components) values.push_back(field.values[i]);
+  for (std::size_t i = std::size_t(c); i < field.values.size(); i += std::size_t(field.components))
+    values.push_back(field.values[i]);
   return values;
 }
 
@@ -46,9 +47,9 @@ void add_axis(const std::string& id, const Packed& places, nlohmann::json& facts
   html += element_of(id, places.words);
 }
 
-/// A snapshot without the ids of the particles, which are of no use in a picture.
-Observation seen_in(const std::filesystem::path& snapshot) {
-  Observation seen = read_snapshot(snapshot);
+/// The first of every `every` particles of a snapshot, without their ids, which are of no use in a picture.
+Observation seen_in(const std::filesystem::path& snapshot, std::size_t every) {
+  Observation seen = read_snapshot(snapshot, every);
   std::erase_if(seen.fields, [](const Field& f) { return f.name == "id"; });
   return seen;
 }
@@ -59,21 +60,20 @@ struct Instant {
   std::string html;
 };
 
-Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
+Instant pack(const Observation& seen, std::size_t frame) {
   // Compressing is most of the work of a report; a thread for each component.
   std::vector<std::future<Packed>> places, values;
   const auto start = [](auto work) { return std::async(std::launch::async, work); };
   Instant instant;
-  for (int a = 0; a < 3; ++a)
-    places.push_back(start([&, a] { return packed_places(component(seen.fields[0], a, every)); }));
+  for (int a = 0; a < 3; ++a) places.push_back(start([&, a] { return packed_places(component(seen.fields[0], a)); }));
   for (std::size_t q = 1; q < seen.fields.size(); ++q)
     for (int c = 0; c < seen.fields[q].components; ++c)
-      values.push_back(start([&, q, c] { return packed_values(component(seen.fields[q], c, every)); }));
+      values.push_back(start([&, q, c] { return packed_values(component(seen.fields[q], c)); }));
 
   nlohmann::json& facts = instant.facts;
   facts["time"] = seen.time;
   facts["step"] = seen.step;
-  facts["n"] = (seen.n_particles() + every - 1) / every;
+  facts["n"] = seen.n_particles();
   for (int a = 0; a < 3; ++a) add_axis(fmt::format("place-{}-{}", frame, a), places[a].get(), facts, instant.html);
   auto next = values.begin();
   for (std::size_t q = 1; q < seen.fields.size(); ++q) {
@@ -86,7 +86,7 @@ Instant pack(const Observation& seen, std::size_t frame, std::size_t every) {
     if (seen.fields[q].components == 3) {
       std::vector<double> magnitude;
       const std::vector<double>& v = seen.fields[q].values;
-      for (std::size_t i = 0; i < v.size(); i += 3 * every) magnitude.push_back(std::hypot(v[i], v[i + 1], v[i + 2]));
+      for (std::size_t i = 0; i < v.size(); i += 3) magnitude.push_back(std::hypot(v[i], v[i + 1], v[i + 2]));
       of_components.push_back({{"range", range_of(std::move(magnitude))}});
     }
     facts["values"].push_back(of_components);
@@ -157,13 +157,13 @@ SceneData pack_scene(const Case& case_, const std::vector<std::filesystem::path>
   std::string& data = packed.html;
   scene["solids"] = pack_solids(case_, data);
   for (std::size_t i : spread_out(n_all, n)) {
-    const Observation seen = seen_in(snapshots[i]);
+    const Observation seen = seen_in(snapshots[i], every);
     const nlohmann::json quantities = quantities_of(seen);
     if (!scene.contains("quantities")) scene["quantities"] = quantities;
     if (quantities != scene["quantities"])
       throw std::runtime_error(
           fmt::format("{} holds other fields than {}", snapshots[i].string(), snapshots[0].string()));
-    const Instant instant = pack(seen, scene["frames"].size(), every);
+    const Instant instant = pack(seen, scene["frames"].size());
     data += instant.html;
     scene["frames"].push_back(instant.facts);
     for (const Solid& solid : case_.solids) scene["frames"].back()["poses"].push_back(pose_of(solid, seen.time));
@@ -178,10 +178,14 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
   if (snapshots.empty()) throw std::runtime_error("there are no snapshots");
   const std::size_t n_all = snapshots.size();
 
-  // Size of an instant, the mean of three.
+  // Size of an instant, the mean of three, each extrapolated from part of its particles if there are many.
+  constexpr std::size_t most_sampled = 200'000;
   const std::vector<std::size_t> samples = spread_out(n_all, std::min<std::size_t>(3, n_all));
   double bytes = 1;
-  for (std::size_t i : samples) bytes += double(pack(seen_in(snapshots[i]), 0, 1).html.size()) / double(samples.size());
+  for (std::size_t i : samples) {
+    const std::size_t every = 1 + particles_in(snapshots[i]) / most_sampled;
+    bytes += double(pack(seen_in(snapshots[i], every), 0).html.size() * every) / double(samples.size());
+  }
   const std::size_t fewest = std::min<std::size_t>(fewest_instants, n_all);
   SceneData packed;
   // Other instants than those three may be larger, and solids count too: if the result is too large, once more with the
