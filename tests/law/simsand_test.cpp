@@ -270,13 +270,18 @@ TEST(Simsand, ALayerShearedOnAndOnIsHeldByTheCriticalFriction) {
 
 // ---- the initial state -------------------------------------------------------------------------------------------
 
-TEST(Simsand, AStateOfShearGetsTheLeastKappaThatCarriesIt) {
-  const Simsand law = case_1_sand();
+/// Ground at rest (Jaky 1944) under its weight, without a kappa.
+InitialState at_rest_under_400_pascal(const Simsand& law) {
   InitialState initial;
   const double K0 = 1 - std::sin(law.phi_c);
   initial.stress = {-K0 * 400, -400, -K0 * 400, 0, 0, 0};
   initial.void_ratio = 0.85;
-  const State s = std::get<State>(law.at_rest(initial));
+  return initial;
+}
+
+TEST(Simsand, AStateOfShearGetsTheLeastKappaThatCarriesIt) {
+  const Simsand law = case_1_sand();
+  const State s = std::get<State>(law.at_rest(at_rest_under_400_pascal(law)));
   EXPECT_NEAR(f_over_p(law, s), 0, 1e-12);
   const double eta = von_mises(deviator(s.stress)) / pressure(s.stress);
   const double M_p = friction_slope(law.lode, law.peak_tangent(law.density(s)), lode_sine(deviator(s.stress)));
@@ -286,10 +291,7 @@ TEST(Simsand, AStateOfShearGetsTheLeastKappaThatCarriesIt) {
 TEST(Simsand, SquareRootHardeningStartsFromTheStrainThatCarriesTheStress) {
   // sqrt(kappa/(k_p + kappa)) = eta/M_p
   const Simsand law = by_root(case_1_sand());
-  InitialState initial;
-  const double K0 = 1 - std::sin(law.phi_c);
-  initial.stress = {-K0 * 400, -400, -K0 * 400, 0, 0, 0};
-  initial.void_ratio = 0.85;
+  InitialState initial = at_rest_under_400_pascal(law);
   const State s = std::get<State>(law.at_rest(initial));
   EXPECT_NEAR(f_over_p(law, s), 0, 1e-12);
   initial.kappa = 0.9 * s.kappa;
