@@ -214,6 +214,11 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
   EXPECT_FALSE(with_numerics("f_bar = true").average_pressure);
   EXPECT_TRUE(with_numerics("").average_pressure);
   EXPECT_TRUE(with_numerics("").particle_shifting);
+  EXPECT_DOUBLE_EQ(*with_numerics("").shifting_length, 0.002) << "a cell";
+  EXPECT_DOUBLE_EQ(*with_numerics("shifting_length = \"8 mm\"").shifting_length, 0.008);
+  expect_complaint("[run]", "[numerics]\nshifting_length = \"9 mm\"\n[run]", "must be four cells at most, 8 mm");
+  expect_complaint("[run]", "[numerics]\nparticle_shifting = false\nshifting_length = \"4 mm\"\n[run]",
+                   "has no effect without `particle_shifting`");
   expect_complaint("[run]", "[numerics]\nf_bar = true\naverage_pressure = true\n[run]", "must be false with `f_bar`");
   EXPECT_EQ(with_numerics("").order, Order::usf);
   EXPECT_EQ(with_numerics("order = \"musl\"").order, Order::musl);

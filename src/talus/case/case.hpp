@@ -158,7 +158,8 @@ struct Numerics {
   Order order = Order::usf;
   bool average_pressure = true;
   bool particle_shifting = true;
-  bool particle_splitting = false;  ///< of materials that flow; and merging
+  std::optional<double> shifting_length;  ///< of `particle_shifting` [m]; by default a cell
+  bool particle_splitting = false;        ///< of materials that flow; and merging
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};

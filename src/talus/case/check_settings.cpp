@@ -59,6 +59,11 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
   if (n.order == Order::musl && n.bulk_viscosity.value_or(0) > 0)
     section.add("bulk_viscosity",
                 "must be 0 with order = \"musl\": forces are of stresses a step old, which cannot damp");
+  if (n.shifting_length && !n.particle_shifting)
+    section.add("shifting_length", "has no effect without `particle_shifting`");
+  else if (const double most = 4 * case_.cell; n.shifting_length.value_or(0) > most * (1 + 1e-9))
+    section.add("shifting_length",
+                fmt::format("must be four cells at most, {}, or shifting overshoots", with_unit(most, "m")));
   if (n.stiffness_factor == 1) return;
   for (const Material& m : case_.materials)
     if (!scales_stiffness(m.law))

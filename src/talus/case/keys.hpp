@@ -55,6 +55,9 @@ inline constexpr Parameter bulk_viscosity{
     "bulk_viscosity", "1", Range::between(0, 1),
     "damping of volume between neighbouring cells, as a share of critical damping, in laws whose stiffness follows "
     "the pressure"};
+inline constexpr Parameter shifting_length{"shifting_length", "m", Range::positive(),
+                                           "length that sets how fast particle shifting spreads a crowd, at most four "
+                                           "cells; the same length on all cells corrects as much"};
 inline constexpr Parameter stiffness_factor{
     "stiffness_factor",
     "1",

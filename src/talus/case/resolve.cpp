@@ -55,6 +55,7 @@ void fill_in_defaults(Case& case_) {
     if (const std::optional<Default> tau = default_tau(case_)) n.tau = tau->value;
   n.bulk_viscosity = bulk_viscosity_of(n);
   n.cfl = cfl_of(n);
+  if (n.particle_shifting && !n.shifting_length) n.shifting_length = case_.cell;
   OutputSpec& o = case_.output;
   if (!o.snapshots) o.snapshots = default_snapshots(case_).value;
   if (!o.history) o.history = default_history(case_).value;

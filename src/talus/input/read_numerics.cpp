@@ -51,14 +51,14 @@ void read_integration(Section& s, Integration& integration) {
 }  // namespace
 
 const Declaration& numerics_declaration() {
-  static const Declaration d("[numerics]",
-                             {optional(keys::preset), optional(shape), optional(transfer),
-                              optional(keys::tau).with("transfer", transfers_with_tau(true)),
-                              optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order),
-                              optional(f_bar), optional(average_pressure), optional(keys::bulk_viscosity),
-                              optional(particle_shifting), optional(particle_splitting), optional(integrator),
-                              optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt),
-                              optional(keys::cfl), optional(keys::stiffness_factor)});
+  static const Declaration d(
+      "[numerics]", {optional(keys::preset), optional(shape), optional(transfer),
+                     optional(keys::tau).with("transfer", transfers_with_tau(true)),
+                     optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order),
+                     optional(f_bar), optional(average_pressure), optional(keys::bulk_viscosity),
+                     optional(particle_shifting), optional(keys::shifting_length), optional(particle_splitting),
+                     optional(integrator), optional(keys::tolerance).with("integrator", {"modified_euler"}),
+                     optional(keys::dt), optional(keys::cfl), optional(keys::stiffness_factor)});
   return d;
 }
 
@@ -77,6 +77,8 @@ void read_numerics(Section& s, Case& case_) {
   const Default viscosity = default_bulk_viscosity(n.preset, n.order);
   n.bulk_viscosity = s.number(keys::bulk_viscosity, viscosity.value, viscosity.reason);
   n.particle_shifting = s.flag(particle_shifting, n.particle_shifting);
+  n.shifting_length = n.particle_shifting ? s.number(keys::shifting_length, case_.cell, "a cell")
+                                          : s.optional_number(keys::shifting_length);
   n.particle_splitting = s.flag(particle_splitting, n.particle_splitting);
   read_integration(s, n.integration);
   if (n.dt)

@@ -48,24 +48,35 @@ TEST(ShiftKernel, InsideTheMaterialANodeMayLackSomethingAtASurfaceNot) {
 }
 
 TEST(ShiftKernel, AParticleMovesDownTheSlopeATenthOfACellAtMost) {
-  // x -= 0.2 slope, in cells; h = 1/2
+  // x -= 0.2 slope, in cells, with a shifting length of a cell; h = 1/2
   Domain<2> domain = unit_cells<2>(8);
   domain.h = 0.5;
   const double gentle[2] = {0.1, -0.2}, steep[2] = {3, -3};
-  const Vec<3> a = shift_of(domain, {2, 2, 0}, gentle), b = shift_of(domain, {2, 2, 0}, steep);
+  const Vec<3> a = shift_of(domain, {2, 2, 0}, gentle, 0.5), b = shift_of(domain, {2, 2, 0}, steep, 0.5);
   EXPECT_NEAR(a[0], -0.01, 1e-16);
   EXPECT_NEAR(a[1], 0.02, 1e-16);
   EXPECT_EQ(b, (Vec<3>{-0.05, 0.05, 0}));
 }
 
+TEST(ShiftKernel, ALengthSpreadsTheSameExcessAsFastOnAllCells) {
+  // The excess changes by 0.04 per metre. Cells of 1/2 m are shifted half as often on the same way as cells of 1/4 m, so
+  // a shift is twice as long: 0.2 h l de/dx.
+  Domain<2> coarse = unit_cells<2>(8), fine = unit_cells<2>(8);
+  coarse.h = 0.5;
+  fine.h = 0.25;
+  const double of_coarse[2] = {0.04 * coarse.h, 0}, of_fine[2] = {0.04 * fine.h, 0};
+  EXPECT_NEAR(shift_of(coarse, {2, 2, 0}, of_coarse, 0.5)[0], -0.002, 1e-16);
+  EXPECT_NEAR(shift_of(fine, {1, 1, 0}, of_fine, 0.5)[0], -0.001, 1e-16);
+}
+
 TEST(ShiftKernel, AParticleGoesHalfTheWayToAWallAtMost) {
   Domain<2> domain = unit_cells<2>(8, WallKind::slip);
   const double steep[2] = {3, -3};
-  const Vec<3> s = shift_of(domain, {0.06, 7.9, 0}, steep);
+  const Vec<3> s = shift_of(domain, {0.06, 7.9, 0}, steep, 1);
   EXPECT_NEAR(s[0], -0.03, 1e-15);
   EXPECT_NEAR(s[1], 0.05, 1e-15);
   domain.walls[0] = WallKind::open;
-  EXPECT_NEAR(shift_of(domain, {0.06, 4, 0}, steep)[0], -0.1, 1e-15) << "there is no wall";
+  EXPECT_NEAR(shift_of(domain, {0.06, 4, 0}, steep, 1)[0], -0.1, 1e-15) << "there is no wall";
 }
 
 TEST(ShiftKernel, ParticlesAreShiftedAsFarAsTheyMayBe) {
@@ -73,7 +84,7 @@ TEST(ShiftKernel, ParticlesAreShiftedAsFarAsTheyMayBe) {
   WindowOf<2, Quadratic, double> excess_of(0);
   excess_of.for_each([](const Index<2>& at, double& e) { e = 0.1 * at[0]; });
   auto p = particles_at<2>({{1.3, 2.1}, {2.2, 3.3}});
-  shift_particles(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), excess_of.data(),
+  shift_particles(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), excess_of.data(), 1,
                   [](const Vec<3>&, const Vec<3>& shift) { return 0.5 * shift; });
   EXPECT_NEAR(p.position(0)[0], 1.29, 1e-14);
   EXPECT_NEAR(p.position(0)[1], 2.19, 1e-14);

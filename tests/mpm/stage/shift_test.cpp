@@ -36,6 +36,30 @@ TEST(ParticleShift, ACrowdOfAFluidMovesApartAboutItsMiddleByATenthOfACellAtMost)
   EXPECT_EQ(sums[Sum::mass], 16);
 }
 
+TEST(ParticleShift, TwiceTheShiftingLengthShiftsTwiceAsFar) {
+  // Hardly too close, so no shift reaches a tenth of a cell: x -= 0.2 h l grad excess.
+  std::vector<Vec<2>> places;
+  for (int j = 0; j < 4; ++j)
+    for (int i = 0; i < 4; ++i) places.push_back({5.05 + 0.97 * i, 5.05 + 0.97 * j});
+  std::vector<double> shifts[2];
+  for (const int n : {0, 1}) {
+    Numerics numerics = pure_flip();
+    if (n == 1) numerics.shifting_length = 2;  // cells of 1 m
+    SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), places, numerics, {}, {}, NewtonianFluid{1000, 0});
+    arrange(small.model);
+    ParticleShift<2, Quadratic>().apply(small.model, 0);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      for (int a = 0; a < 2; ++a) shifts[n].push_back(small.particles().position(a)[small.row(int(i))] - places[i][a]);
+  }
+  double largest = 0;
+  for (std::size_t i = 0; i < shifts[0].size(); ++i) {
+    EXPECT_NEAR(shifts[1][i], 2 * shifts[0][i], 1e-14);
+    largest = std::max(largest, std::abs(shifts[1][i]));
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_LT(largest, 0.1);
+}
+
 TEST(ParticleShift, WhatKeepsItsNeighboursIsNotShifted) {
   SmallModel<> small(unit_cells<2>(16), crowd());
   arrange(small.model);

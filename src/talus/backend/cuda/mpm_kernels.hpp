@@ -261,7 +261,8 @@ struct Shifts {
     double filling[M::Layout::n_window];
     fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.filling, filling);
     find_excess<M::Dim, typename M::Shape>(filling, m.nodes_of(m.excess, t));
-    shift_particles(m.points(t), m.domain, filling, [](const Vec<3>&, const Vec<3>& shift) { return shift; });
+    shift_particles(m.points(t), m.domain, filling, m.domain.h,
+                    [](const Vec<3>&, const Vec<3>& shift) { return shift; });
   }
 };
 

@@ -1,10 +1,11 @@
 #pragma once
 /// Particles that are closer than their volumes permit move apart, down the gradient of the filling of the nodes:
-///   x_p -= D grad excess,   excess_I = sum N_I V_p / room_I - 1
+///   x_p -= D grad excess,   excess_I = sum N_I V_p / room_I - 1,   D = 0.2 h l
 /// Fick's diffusion, as Lind, Xu, Stansby and Rogers 2012 (J. Comput. Phys. 231:1499) have it for smoothed particles;
 /// for material points see Baumgarten and Kamrin 2023 (Int. J. Numer. Meth. Eng.). The velocity gradient is known at
 /// particles only, so where particles are uneven, their strain differs from the flow into a cell, and continued shear
-/// loses volume: 20 % in a tall column.
+/// loses volume: 20 % in a tall column. Particles are shifted whenever they may have moved a tenth of a cell, so a flow of
+/// speed v spreads an excess by 2 l v in unit time: the same length l corrects the same on all cells.
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
@@ -61,11 +62,12 @@ TALUS_HD double room_towards(const Domain<Dim>& domain, int side, double x) {
   return min(largest_shift, 0.5 * abs((x - domain.origin[axis]) / domain.h - wall));
 }
 
-/// The shift of a particle at x with a gradient of the excess [m], in units of 1/cell. Of the finest pattern that nodes
-/// see, two cells long, a shift takes a quarter; this diffusion would be unstable beyond 1.5 cells^2.
+/// The shift of a particle at x with a gradient of the excess [m], in units of 1/cell, with a shifting length [m]. Of the
+/// finest pattern that nodes see, two cells long, a shift takes a quarter with a length of a cell, all with four; this
+/// diffusion would be unstable beyond 1.5 cells^2.
 template <int Dim>
-TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const double (&slope)[Dim]) {
-  constexpr double diffusivity = 0.2;
+TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const double (&slope)[Dim], double length) {
+  const double diffusivity = 0.2 * (length / domain.h);
   Vec<3> shift{};
   for (int a = 0; a < Dim; ++a) {
     const double freely = -diffusivity * slope[a];
@@ -75,11 +77,11 @@ TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const doubl
   return shift;
 }
 
-/// Moves a tile's particles down the gradient of the excess of its window's nodes. `limit(x, shift)` returns what may
-/// be left of a shift.
+/// Moves a tile's particles down the gradient of the excess of its window's nodes, with a shifting length [m].
+/// `limit(x, shift)` returns what may be left of a shift.
 template <int Dim, class Shape, class Limit>
 TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* excess,
-                              Limit limit) {
+                              double length, Limit limit) {
   const ParticlesView<Dim>& p = points.particles;
   for (int i = 0; i < points.size(); i += 4) {
     const int first = points.range.begin + i, count = points.count(i);
@@ -89,7 +91,7 @@ TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain
       gradient(ParticleWeights<Dim, Shape>{w, lane}, excess, slope);
       Vec<3> x{};
       for (int a = 0; a < Dim; ++a) x[a] = p.position(a)[first + lane];
-      const Vec<3> shift = limit(x, shift_of(domain, x, slope));
+      const Vec<3> shift = limit(x, shift_of(domain, x, slope, length));
       for (int a = 0; a < Dim; ++a) p.position(a)[first + lane] = x[a] + shift[a];
     }
   }

@@ -65,8 +65,9 @@ class ParticleShift {
     const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) {
       return m.contact_finder.solids().empty() ? shift : m.contact_finder.beside_solids(x, shift, time);
     };
+    const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
-      if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, beside_solids);
+      if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, length, beside_solids);
     });
   }
 
