@@ -30,6 +30,12 @@ struct MapLayer {
   MapScale scale = MapScale::linear;
 };
 
+/// A gauge, with its name beside it: one point is a place, several are a line.
+struct MapGauge {
+  std::string name;
+  PlanLine points;
+};
+
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.
 struct MapPicture {
   std::string title;
@@ -39,6 +45,9 @@ struct MapPicture {
   std::vector<PlanLine> release;           ///< outlines, closed or not
   std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
   std::optional<PlanBox> domain;           ///< of the run
+  std::vector<MapGauge> gauges;
+  PlanLine thalweg;                        ///< from its upper end, with an arrow at its lower one; empty: none
+  double thalweg_width = 0;                ///< of the strip along it [m], for the legend
   double cell = 0;                         ///< edge of the run's cells [m]; 0: not shown
   std::vector<std::string> notes;          ///< short lines beside the map
   /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain,

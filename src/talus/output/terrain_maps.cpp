@@ -52,6 +52,11 @@ MapPicture picture_of(const Case& case_) {
   picture.release_mask = release_of(case_);
   picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
   picture.cell = case_.cell;
+  for (const Gauge& gauge : case_.gauges) picture.gauges.push_back({gauge.name, gauge.points});
+  if (case_.thalweg) {
+    picture.thalweg = case_.thalweg->points;
+    picture.thalweg_width = case_.thalweg->width;
+  }
   return picture;
 }
 
