@@ -200,4 +200,10 @@ TEST(MapNumbers, HaveTheirDigitsInGroupsOfThree) {
   EXPECT_EQ(grouped(-1e-9, 1), "0.0");
 }
 
+TEST(MapNumbers, OfALaboratoryAreNotZero) {
+  EXPECT_EQ(three_digits(0.030512), "0.0305");
+  EXPECT_EQ(three_digits(99.9), "99.9");
+  EXPECT_EQ(three_digits(32453.2), "32 453");
+}
+
 }  // namespace talus::map_picture_test

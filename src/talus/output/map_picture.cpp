@@ -26,8 +26,6 @@ double round_length(double most) {
 
 int decimals_of(double step) { return std::max(0, -int(std::floor(std::log10(step) + 1e-9))); }
 
-std::string three_digits(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
-
 /// Lines of at most so many letters, broken between words.
 std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
   std::vector<std::string> lines{""};
@@ -733,6 +731,8 @@ std::string grouped(double value, int decimals) {
   const bool is_zero = digits.find_first_not_of("0. ") == std::string::npos;
   return (value < 0 && !is_zero ? "-" : "") + digits;
 }
+
+std::string three_digits(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
 
 std::filesystem::path write_map_script(const std::filesystem::path& folder, const std::string& name,
                                        const MapPicture& picture) {

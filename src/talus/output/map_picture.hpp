@@ -46,10 +46,10 @@ struct MapPicture {
   std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
   std::optional<PlanBox> domain;           ///< of the run
   std::vector<MapGauge> gauges;
-  PlanLine thalweg;                        ///< from its upper end, with an arrow at its lower one; empty: none
-  double thalweg_width = 0;                ///< of the strip along it [m], for the legend
-  double cell = 0;                         ///< edge of the run's cells [m]; 0: not shown
-  std::vector<std::string> notes;          ///< short lines beside the map
+  PlanLine thalweg;                ///< from its upper end, with an arrow at its lower one; empty: none
+  double thalweg_width = 0;        ///< of the strip along it [m], for the legend
+  double cell = 0;                 ///< edge of the run's cells [m]; 0: not shown
+  std::vector<std::string> notes;  ///< short lines beside the map
   /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain,
   /// with a margin.
   std::optional<PlanBox> view;
@@ -66,5 +66,8 @@ bool draw_map(const std::filesystem::path& png, const MapPicture& picture);
 
 /// A number with its digits in groups of three, as on maps: "1 234 500".
 std::string grouped(double value, int decimals = 0);
+
+/// A number with three digits, from 100 on in full: "0.0305", "32 453".
+std::string three_digits(double value);
 
 }  // namespace talus

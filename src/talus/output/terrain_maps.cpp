@@ -312,7 +312,7 @@ bool draw_case_map(const fs::path& png, const Case& case_) {
   double volume = 0;
   for (const BodySpec& body : case_.bodies)
     if (std::holds_alternative<SurfaceLayer>(body.region)) volume += talus::volume(body.region, 3);
-  picture.notes = {fmt::format("released: {} m3", grouped(volume))};
+  picture.notes = {fmt::format("released: {} m3", three_digits(volume))};
   picture.view = picture.domain;
   return draw_map(png, picture);
 }
