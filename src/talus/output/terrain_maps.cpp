@@ -284,7 +284,7 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
       {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0, MapScale::logarithmic},
       {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
       {"deposit", "Thickness at the end", "m", end.thickness, least},
-      {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, MapScale::about_zero}};
+      {"change", "Vertical rise of the surface", "m", change_of_surface(end), least, MapScale::about_zero}};
   for (const Map& map : all) {
     write_raster_of(folder_, map.what, map.values, map.unit, map.words);
     MapPicture picture = picture_of(case_);
