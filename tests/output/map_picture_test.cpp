@@ -98,7 +98,7 @@ TEST_F(MapPictures, ShowWhatIsInColoursWithItsSurroundings) {
   EXPECT_NE(contents_of(folder_ / "a_release.txt").find("160 120\n140 100\n"), std::string::npos);  // is closed
 }
 
-TEST_F(MapPictures, ShowGaugesWithTheirNamesAndTheThalweg) {
+TEST_F(MapPictures, ShowZonesTheThalwegAndGaugesWithTheirNames) {
   const Terrain ground = ridge();
   MapPicture picture;
   picture.ground = &ground;
@@ -106,10 +106,12 @@ TEST_F(MapPictures, ShowGaugesWithTheirNamesAndTheThalweg) {
   picture.gauges = {{"mouth", {{200, 120}, {200, 180}}}, {"house", {{260, 150}}}, {"hut", {{262, 150}}}};
   picture.thalweg = {{50, 50}, {300, 150}, {350, 150}};
   picture.thalweg_width = 60;
+  picture.zones = {{"Zone wood", {{{20, 200}, {120, 200}, {120, 280}, {20, 280}, {20, 200}}}}};
   EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
   const std::string script = contents_of(write_map_script(folder_, "a", picture));
-  for (const char* words : {"'Thalweg, strip of 60 m'", "'Gauge, line'", "'Gauge, place'"})
+  for (const char* words : {"'Zone wood'", "'Thalweg, strip of 60 m'", "'Gauge, line'", "'Gauge, place'"})
     EXPECT_NE(script.find(words), std::string::npos) << words;
+  EXPECT_NE(contents_of(folder_ / "a_zones.txt").find("\n1020 2200\n1120 2200\n"), std::string::npos);
   EXPECT_NE(contents_of(folder_ / "a_gauge_lines.txt").find("\n1200 2120\n1200 2180\n"), std::string::npos);
   EXPECT_NE(contents_of(folder_ / "a_gauge_places.txt").find("\n1260 2150\n"), std::string::npos);
   EXPECT_NE(contents_of(folder_ / "a_thalweg.txt").find("\n1050 2050\n1300 2150\n1350 2150\n"), std::string::npos);
@@ -132,9 +134,11 @@ TEST_F(MapPictures, NameNothingThatTheyDoNotShow) {
   picture.view = PlanBox{{0, 0}, {100, 100}};
   picture.gauges = {{"house", {{260, 150}}}, {"mouth", {{200, 120}, {200, 180}}}};
   picture.thalweg = {{300, 20}, {300, 150}};
+  picture.zones = {{"Zone wood", {{{200, 200}, {220, 200}, {220, 280}, {200, 200}}}}};
   EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
   const std::string script = contents_of(write_map_script(folder_, "a", picture));
-  for (const char* words : {"Thalweg", "Gauge,", "house"}) EXPECT_EQ(script.find(words), std::string::npos) << words;
+  for (const char* words : {"Thalweg", "Gauge,", "house", "wood"})
+    EXPECT_EQ(script.find(words), std::string::npos) << words;
 }
 
 TEST_F(MapPictures, OfFlatGroundWithoutAnyFlowAreDrawn) {

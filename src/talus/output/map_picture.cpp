@@ -154,6 +154,7 @@ class MapPage {
     add_plot(shade_plot_);
     place_names();
     write_contours();
+    write_zones();
     write_outlines();
     write_thalweg();
     write_gauges();
@@ -519,6 +520,20 @@ class MapPage {
     }
   }
 
+  void write_zones() {
+    std::string text = "# outlines of zones: east [m], north [m]\n";
+    bool any = false;
+    for (const MapZone& zone : picture_.zones)
+      for (const PlanLine& line : zone.outlines) {
+        append_line(text, line, 0, line.size() - 1);
+        any = true;
+      }
+    if (!any) return;
+    write_whole(file("_zones.txt"), text);
+    add_plot(fmt::format("{} with lines lw 3.6 lc '#ffffff'", quoted("_zones.txt")));
+    add_plot(fmt::format("{} with lines lw 1.8 dt (6,4) lc '{}'", quoted("_zones.txt"), zone_colour));
+  }
+
   void write_thalweg() {
     if (picture_.thalweg.size() < 2) return;
     std::string text = "# thalweg: east [m], north [m]\n";
@@ -637,6 +652,15 @@ class MapPage {
     if (!release_.empty()) entry("Release", fmt::format("lw 2.5 lc '{}'", release_colour));
     if (picture_.domain && is_seen(*picture_.domain))
       entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
+    // One line of the legend for each zone, as long as there are few.
+    constexpr std::size_t most_zones = 4;
+    const std::string dashes = fmt::format("lw 1.8 dt (6,4) lc '{}'", zone_colour);
+    std::vector<std::string> zones;
+    for (const MapZone& zone : picture_.zones)
+      if (std::any_of(zone.outlines.begin(), zone.outlines.end(), [&](const PlanLine& l) { return is_seen(l); }))
+        zones.push_back(zone.name);
+    if (zones.size() > most_zones) zones = {fmt::format("{} zones", zones.size())};
+    for (const std::string& name : zones) entry(name, dashes);
     if (is_seen(picture_.thalweg))
       entry(picture_.thalweg_width > 0 ? fmt::format("Thalweg, strip of {} m", three_digits(picture_.thalweg_width))
                                        : std::string("Thalweg"),
@@ -702,7 +726,7 @@ class MapPage {
   }
 
   static constexpr const char *contour_colour = "#8a745f", *release_colour = "#d01c1c", *domain_colour = "#111111",
-                              *thalweg_colour = "#1f4fd1", *gauge_colour = "#006b4f";
+                              *thalweg_colour = "#00509e", *gauge_colour = "#00509e", *zone_colour = "#1b6e3c";
 
   std::filesystem::path folder_;
   std::string name_;

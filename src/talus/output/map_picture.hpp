@@ -36,6 +36,12 @@ struct MapGauge {
   PlanLine points;
 };
 
+/// Ground with a contact of its own.
+struct MapZone {
+  std::string name;
+  std::vector<PlanLine> outlines;
+};
+
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.
 struct MapPicture {
   std::string title;
@@ -45,6 +51,7 @@ struct MapPicture {
   std::vector<PlanLine> release;           ///< outlines, closed or not
   std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
   std::optional<PlanBox> domain;           ///< of the run
+  std::vector<MapZone> zones;
   std::vector<MapGauge> gauges;
   PlanLine thalweg;                ///< from its upper end, with an arrow at its lower one; empty: none
   double thalweg_width = 0;        ///< of the strip along it [m], for the legend

@@ -14,6 +14,7 @@
 #include "talus/case/defaults.hpp"
 #include "talus/mpm/start/filling.hpp"
 #include "talus/output/map_picture.hpp"
+#include "talus/output/map_view.hpp"
 #include "talus/output/raster_file.hpp"
 
 namespace talus {
@@ -52,6 +53,7 @@ MapPicture picture_of(const Case& case_) {
   picture.release_mask = release_of(case_);
   picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
   picture.cell = case_.cell;
+  for (const MapOverlay& zone : zone_outlines_of(case_)) picture.zones.push_back({zone.name, zone.lines});
   for (const Gauge& gauge : case_.gauges) picture.gauges.push_back({gauge.name, gauge.points});
   if (case_.thalweg) {
     picture.thalweg = case_.thalweg->points;
