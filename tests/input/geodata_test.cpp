@@ -160,6 +160,22 @@ TEST_F(AsciiRaster, ValuesMustBeAsManyAsTheHeaderStates) {
   EXPECT_SAYS(read(plain() + "7\n"), ":9: more values than the 3 x 2 = 6");
 }
 
+TEST_F(AsciiRaster, AHeaderOfAnotherGridIsRefused) {
+  // As many values as it states, 6, but in lines that are no rows of it.
+  const auto with_size = [&](int columns, int rows, const std::string& numbers) {
+    return with(with(header, "ncols 3", fmt::format("ncols {}", columns)), "nrows 2", fmt::format("nrows {}", rows)) +
+           numbers;
+  };
+  EXPECT_SAYS(read(with_size(2, 3, values)), "has 2 lines of 3 values, and its header states 2 columns and 3 rows");
+  EXPECT_SAYS(read(with_size(1, 6, values)), "it is the header of another grid");
+  EXPECT_SAYS(read(with_size(3, 2, "1 2\n3 4\n5 6\n")), "has 3 lines of 2 values, and its header states 3 columns");
+  // Rows may stand on several lines, or several on one.
+  EXPECT_EQ(read(with_size(6, 1, values)).columns, 6);
+  EXPECT_EQ(read(with_size(3, 2, "1\n2\n3\n4\n5\n6\n")).columns, 3);
+  EXPECT_EQ(read(with_size(3, 2, "1 2 3 4\n5 6\n")).columns, 3);
+  EXPECT_EQ(read(with_size(2, 3, "1 2 3 4 5 6\n")).columns, 2);
+}
+
 TEST_F(AsciiRaster, AWordIsNoNumber) {
   EXPECT_SAYS(read(with(plain(), " 2 ", " abc ")), "a.asc:7: \"abc\" is no number");
   EXPECT_SAYS(read(with(plain(), "1 2", "1,5 2")), "a.asc:7: \"1,5\" is no number; write decimals with a point");

@@ -7,6 +7,7 @@
 #include <array>
 #include <memory>
 
+#include "geometry/meshes.hpp"
 #include "mpm/by_hand.hpp"
 
 namespace talus::contact_finder_test {
@@ -112,9 +113,52 @@ TEST(ContactFinder, InAThinPlateTheSideThatTheMaterialIsOnCounts) {
 
 TEST(ContactFinder, NothingIsShiftedIntoASolid) {
   const ContactFinder<2> finder(unit_cells<2>(8), {{"ground", HalfSpace{{0, 1, 0}, {0, 1, 0}}, rubs}});
-  EXPECT_EQ(finder.beside_solids({3, 1.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, 0, 0}));
-  EXPECT_EQ(finder.beside_solids({3, 1.5, 0}, {0.1, 0.1, 0}, 0), (Vec<3>{0.1, 0.1, 0}));
-  EXPECT_EQ(finder.beside_solids({3, 2.5, 0}, {0.1, -0.1, 0}, 0), (Vec<3>{0.1, -0.1, 0})) << "more than a cell away";
+  auto solids = finder.solids_beside({0, 0}, 0);
+  EXPECT_EQ(solids.limited({3, 1.5, 0}, {0.1, -0.1, 0}), (Vec<3>{0.1, 0, 0}));
+  EXPECT_EQ(solids.limited({3, 1.5, 0}, {0.1, 0.1, 0}), (Vec<3>{0.1, 0.1, 0}));
+  EXPECT_EQ(solids.limited({3, 2.5, 0}, {0.1, -0.1, 0}), (Vec<3>{0.1, -0.1, 0})) << "more than a cell away";
+}
+
+TEST(ContactFinder, ShiftsBesideTrianglesAreThoseOfASearchForEveryPlace) {
+  // The rule itself: a displacement towards a solid less than a cell away loses its part along the normal. Places in all
+  // tiles of the domain and a little outside, where a solid may be far away, near, around the place or moving; one of
+  // the solids is smaller than a cell, so that its distance from afar is that of its box.
+  const auto pier = [](const Vec<3>& foot, double radius, double height) {
+    return Mesh{std::make_shared<const TriangleMesh>(meshes::cylinder(foot, radius, height, 12))};
+  };
+  Solid moving{"moving", pier({2.2, 9.1, 6.3}, 1.7, 4), rubs};
+  moving.motion.displacement = {{0, 3}, {{0, 0, 0}, {2, -0.5, 0.3}}};
+  Solid hollow{"hollow", pier({8, 8, 0.2}, 7.5, 15), rubs};
+  hollow.hollow = true;
+  const std::vector<Solid> all{{"pier", pier({9.3, 5.1, 4.4}, 2.6, 6), rubs},
+                               {"pebble", pier({4.1, 4.2, 11.9}, 0.3, 0.2), rubs},
+                               moving,
+                               hollow};
+  const ContactFinder<3> finder(unit_cells<3>(16), all);
+  const double time = 1.5;
+  unsigned state = 1;
+  const auto random = [&] { return double((state = state * 1664525u + 1013904223u) >> 8) / (1 << 24); };
+  int n_limited = 0;
+  for (int tile = 0; tile < 64; ++tile) {
+    const Index<3> place = unflatten<3>(tile, 4);
+    auto solids = finder.solids_beside(place, time);
+    for (int i = 0; i < 400; ++i) {
+      Vec<3> x{}, shift{};
+      for (int a = 0; a < 3; ++a) {
+        x[a] = 4 * place[a] - 0.05 + 4.1 * random();
+        shift[a] = 0.2 * random() - 0.1;
+      }
+      Vec<3> left = shift;
+      for (const Solid& solid : all) {
+        const Nearness here = solid.near(x, solid.motion.at(time), 3);
+        const double leaving = dot(left, here.normal);
+        if (here.distance < 1 && leaving < 0) left = left - leaving * here.normal;
+      }
+      n_limited += !(left == shift);
+      ASSERT_EQ(solids.limited(x, shift), left) << x[0] << " " << x[1] << " " << x[2];
+    }
+  }
+  EXPECT_GT(n_limited, 2000);
 }
 
 /// One tile in the corner of a domain of 8 x 8 x 8 unit cells on level ground at z = 1.25. So nodes at z = 1 and 0 are

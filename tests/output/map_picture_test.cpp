@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <iterator>
+#include <map>
 #include <sstream>
 
 #include "folder_of_its_own.hpp"
@@ -97,6 +98,49 @@ TEST_F(MapPictures, ShowWhatIsInColoursWithItsSurroundings) {
   EXPECT_NE(contents_of(folder_ / "a_release.txt").find("160 120\n140 100\n"), std::string::npos);  // is closed
 }
 
+TEST_F(MapPictures, ShowZonesTheThalwegAndGaugesWithTheirNames) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  picture.frame.origin = {1000, 2000};
+  picture.gauges = {{"mouth", {{200, 120}, {200, 180}}}, {"house", {{260, 150}}}, {"hut", {{262, 150}}}};
+  picture.thalweg = {{50, 50}, {300, 150}, {350, 150}};
+  picture.thalweg_width = 60;
+  picture.zones = {{"Zone wood", {{{20, 200}, {120, 200}, {120, 280}, {20, 280}, {20, 200}}}}};
+  EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
+  const std::string script = contents_of(write_map_script(folder_, "a", picture));
+  for (const char* words : {"'Zone wood'", "'Thalweg, strip of 60 m'", "'Gauge, line'", "'Gauge, place'"})
+    EXPECT_NE(script.find(words), std::string::npos) << words;
+  EXPECT_NE(contents_of(folder_ / "a_zones.txt").find("\n1020 2200\n1120 2200\n"), std::string::npos);
+  EXPECT_NE(contents_of(folder_ / "a_gauge_lines.txt").find("\n1200 2120\n1200 2180\n"), std::string::npos);
+  EXPECT_NE(contents_of(folder_ / "a_gauge_places.txt").find("\n1260 2150\n"), std::string::npos);
+  EXPECT_NE(contents_of(folder_ / "a_thalweg.txt").find("\n1050 2050\n1300 2150\n1350 2150\n"), std::string::npos);
+  // The names of two places side by side stand to either side of them.
+  std::istringstream names(contents_of(folder_ / "a_gauges.txt"));
+  std::string line, name;
+  std::getline(names, line);
+  double x = 0, y = 0;
+  std::map<std::string, double> east;
+  while (names >> x >> y >> name) east[name] = x;
+  EXPECT_GT(east["\"mouth\""], 1200);
+  EXPECT_GT(std::abs(east["\"house\""] - east["\"hut\""]), 5);
+  EXPECT_EQ(east.size(), 3u);
+}
+
+TEST_F(MapPictures, NameNothingThatTheyDoNotShow) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  picture.view = PlanBox{{0, 0}, {100, 100}};
+  picture.gauges = {{"house", {{260, 150}}}, {"mouth", {{200, 120}, {200, 180}}}};
+  picture.thalweg = {{300, 20}, {300, 150}};
+  picture.zones = {{"Zone wood", {{{200, 200}, {220, 200}, {220, 280}, {200, 200}}}}};
+  EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
+  const std::string script = contents_of(write_map_script(folder_, "a", picture));
+  for (const char* words : {"Thalweg", "Gauge,", "house", "wood"})
+    EXPECT_EQ(script.find(words), std::string::npos) << words;
+}
+
 TEST_F(MapPictures, OfFlatGroundWithoutAnyFlowAreDrawn) {
   const Terrain ground(PlanRaster::of({0, 0}, 1, 20, 300, 7));
   MapPicture picture;
@@ -158,6 +202,12 @@ TEST(MapNumbers, HaveTheirDigitsInGroupsOfThree) {
   EXPECT_EQ(grouped(1234500), "1 234 500");
   EXPECT_EQ(grouped(-1234.5, 1), "-1 234.5");
   EXPECT_EQ(grouped(-1e-9, 1), "0.0");
+}
+
+TEST(MapNumbers, OfALaboratoryAreNotZero) {
+  EXPECT_EQ(three_digits(0.030512), "0.0305");
+  EXPECT_EQ(three_digits(99.9), "99.9");
+  EXPECT_EQ(three_digits(32453.2), "32 453");
 }
 
 }  // namespace talus::map_picture_test

@@ -152,6 +152,31 @@ class Header {
   std::map<std::string, double> values_;
 };
 
+/// How many values the lines of a file hold. A row may stand on several lines, and all rows on one; but even lines that
+/// are longer than a row, or as many and as long as the columns of the raster, show that the header is that of another.
+class LinesOfValues {
+ public:
+  void add(std::size_t n_values) {
+    if (n_values == 0) return;
+    if (n_lines_++ == 0) length_ = n_values;
+    even_ = even_ && n_values == length_;
+  }
+  /// Throws std::runtime_error.
+  void expect_rows_of(const PlanRaster& raster, const std::string& path) const {
+    const auto columns = std::size_t(raster.columns), rows = std::size_t(raster.rows);
+    const bool are_columns = length_ == rows && n_lines_ == columns;
+    if (n_lines_ > 1 && even_ && length_ != columns && (length_ > columns || are_columns))
+      throw std::runtime_error(
+          fmt::format("{} has {} lines of {} values, and its header states {} columns and {} rows: it is the header of "
+                      "another grid",
+                      path, n_lines_, length_, columns, rows));
+  }
+
+ private:
+  std::size_t n_lines_ = 0, length_ = 0;
+  bool even_ = true;
+};
+
 }  // namespace
 
 bool is_no_data(double value, double no_data) {
@@ -181,6 +206,7 @@ AsciiRaster read_ascii_raster(const std::string& path) {
   PlanRaster raster;
   double no_data = 0;
   UnstatedNan unstated_nan;
+  LinesOfValues lines;
   std::size_t expected = 0;
   bool in_header = true;
   std::string text;
@@ -198,6 +224,7 @@ AsciiRaster read_ascii_raster(const std::string& path) {
       expected = std::size_t(raster.columns) * std::size_t(raster.rows);
       raster.values.reserve(std::min(expected, std::size_t(std::filesystem::file_size(path) / 2 + 1)));
     }
+    const std::size_t n_before = raster.values.size();
     for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
       const std::optional<double> value = number_of(word);
       if (!value)
@@ -213,6 +240,7 @@ AsciiRaster read_ascii_raster(const std::string& path) {
         unstated_nan.add(index % raster.columns, raster.rows - 1 - index / raster.columns);
       }
     }
+    lines.add(raster.values.size() - n_before);
   }
   if (in_header) raster = header.raster();  // to name what is missing first
   if (in.bad()) throw std::runtime_error(fmt::format("{} cannot be read", path));
@@ -220,6 +248,7 @@ AsciiRaster read_ascii_raster(const std::string& path) {
     throw std::runtime_error(fmt::format(
         "{} holds {} values, and its header states {} x {} = {}; the file is incomplete", path, raster.values.size(),
         raster.columns, raster.rows, std::size_t(raster.columns) * std::size_t(raster.rows)));
+  lines.expect_rows_of(raster, path);
   // The file begins in the north.
   for (int south = 0, north = raster.rows - 1; south < north; ++south, --north)
     std::swap_ranges(raster.values.begin() + long(raster.index(0, south)),

@@ -49,15 +49,70 @@ class ContactFinder {
         resting_[n].number_tiles(tiles);
   }
 
-  /// Limits a displacement of a point near solids, so that it does not end inside one.
-  Vec<3> beside_solids(const Vec<3>& x, Vec<3> displacement, double time) const {
-    for (const Solid& solid : solids_) {
-      const Nearness here = solid.near(x, solid.motion.at(time), Dim);
-      const double leaving = dot(displacement, here.normal);
-      if (here.distance < domain_.h && leaving < 0) displacement = displacement - leaving * here.normal;
+  /// The solids as they stand at an instant, for the particles of a tile; valid while its finder is. In a solid of
+  /// triangles every distance is a search, so such a solid is left out where it is more than a cell from the whole tile,
+  /// or from the whole cell of a particle: the distances of two places differ by no more than the places are apart.
+  class SolidsBeside {
+   public:
+    SolidsBeside(const ContactFinder& finder, const Index<Dim>& tile, double time) : finder_(finder), tile_(tile) {
+      const Domain<Dim>& domain = finder.domain_;
+      for (const Solid& solid : finder.solids_) {
+        Beside beside{&solid, solid.motion.at(time), std::nullopt};
+        if (const auto* mesh = std::get_if<Mesh>(&solid.shape)) {
+          // From afar the distance is that of the box around the surface: of one smaller than a cell too small by its size.
+          const double size = length(mesh->surface->high() - mesh->surface->low());
+          beside.reach = (1 + rounding) * domain.h + (size < domain.h ? size : 0);
+          if (is_far(beside, finder.place_of(tile, 0.5 * tile_edge), tile_edge)) continue;
+        }
+        solids_.push_back(std::move(beside));
+      }
     }
-    return displacement;
-  }
+
+    /// Limits a displacement of a point within a cell of a solid, so that it does not lead into the solid.
+    Vec<3> limited(const Vec<3>& x, Vec<3> displacement) {
+      if (displacement == Vec<3>{}) return displacement;
+      for (Beside& beside : solids_) {
+        if (beside.reach && is_far_from_cell(beside, x)) continue;
+        const Nearness here = beside.solid->near(x, beside.pose, Dim);
+        const double leaving = dot(displacement, here.normal);
+        if (here.distance < finder_.domain_.h && leaving < 0) displacement = displacement - leaving * here.normal;
+      }
+      return displacement;
+    }
+
+   private:
+    enum class Distance : char { unknown, near, far };
+    struct Beside {
+      const Solid* solid;
+      Pose pose;
+      std::optional<double> reach;  ///< of triangles: farther than this from a place it has no effect on it [m]
+      std::array<Distance, power(tile_edge, Dim)> cells{};
+    };
+
+    /// Whether a solid is out of reach of a whole cube of some cells.
+    bool is_far(const Beside& beside, const Vec<3>& middle, int edge) const {
+      const double half_diagonal = 0.5 * edge * finder_.domain_.h * std::sqrt(double(Dim));
+      return beside.solid->near(middle, beside.pose, Dim).distance > half_diagonal + *beside.reach;
+    }
+    bool is_far_from_cell(Beside& beside, const Vec<3>& x) const {
+      const Domain<Dim>& domain = finder_.domain_;
+      Index<Dim> cell{};
+      for (int a = 0; a < Dim; ++a) cell[a] = cell_of((x[a] - domain.origin[a]) / domain.h) - tile_edge * tile_[a];
+      if (!in_tile(cell)) return false;
+      Distance& distance = beside.cells[std::size_t(flatten<Dim>(cell, tile_edge))];
+      if (distance == Distance::unknown) {
+        Vec<3> middle = finder_.place_of(tile_, 0.5);
+        for (int a = 0; a < Dim; ++a) middle[a] += domain.h * cell[a];
+        distance = is_far(beside, middle, 1) ? Distance::far : Distance::near;
+      }
+      return distance == Distance::far;
+    }
+
+    const ContactFinder& finder_;
+    Index<Dim> tile_;
+    std::vector<Beside> solids_;
+  };
+  SolidsBeside solids_beside(const Index<Dim>& tile, double time) const { return {*this, tile, time}; }
 
   /// Whether there are walls or solids with contacts.
   bool any() const { return any_; }

@@ -26,8 +26,6 @@ double round_length(double most) {
 
 int decimals_of(double step) { return std::max(0, -int(std::floor(std::log10(step) + 1e-9))); }
 
-std::string three_digits(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
-
 /// Lines of at most so many letters, broken between words.
 std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
   std::vector<std::string> lines{""};
@@ -154,8 +152,12 @@ class MapPage {
     add_axes();
     if (picture_.layer) write_layer();
     add_plot(shade_plot_);
+    place_names();
     write_contours();
+    write_zones();
     write_outlines();
+    write_thalweg();
+    write_gauges();
     add_panel();
     const std::filesystem::path script = file(".gp");
     std::string plots;
@@ -367,7 +369,7 @@ class MapPage {
       const double border = 0.6 * label;
       if (middle[0] - border < view_.low[0] || middle[0] + border > view_.high[0] ||
           middle[1] - border < view_.low[1] || middle[1] + border > view_.high[1] || is_on_layer(middle) ||
-          is_on_layer(line[i]) || is_on_layer(line[j]) || is_on_domain(middle, border))
+          is_on_layer(line[i]) || is_on_layer(line[j]) || is_on_domain(middle, border) || is_on_name(middle, border))
         continue;
       double farthest = 0;  // of the points between from the chord
       const Vec<2> chord = line[j] - line[i];
@@ -473,6 +475,119 @@ class MapPage {
     }
   }
 
+  bool is_in_view(const Vec<2>& x) const {
+    return x[0] >= view_.low[0] && x[0] <= view_.high[0] && x[1] >= view_.low[1] && x[1] <= view_.high[1];
+  }
+
+  /// The name of a gauge, and the rectangle that it covers.
+  struct PlacedName {
+    std::string text;
+    PlanBox box;
+  };
+  static bool overlap(const PlanBox& a, const PlanBox& b) {
+    return a.low[0] < b.high[0] && b.low[0] < a.high[0] && a.low[1] < b.high[1] && b.low[1] < a.high[1];
+  }
+  bool is_on_name(const Vec<2>& x, double distance) const {
+    const Vec<2> around{distance, distance};
+    return std::any_of(names_.begin(), names_.end(), [&](const PlacedName& n) {
+      return overlap(n.box, {x - around, x + around});
+    });
+  }
+
+  /// Names stand beside a place, or beside an end of a line: where they are free of other names and of other gauges, if
+  /// there is such a place.
+  void place_names() {
+    std::vector<PlanBox> taken;
+    const Vec<2> symbol{9 / scale_, 9 / scale_};
+    for (const MapGauge& gauge : picture_.gauges)
+      for (const Vec<2>& x : gauge.points) taken.push_back({x - symbol, x + symbol});
+    for (const MapGauge& gauge : picture_.gauges) {
+      const Vec<2> half{(4.4 * double(gauge.name.size()) + 6) / scale_, 12 / scale_};
+      const double aside = half[0] + 13 / scale_, up = half[1] + 12 / scale_;
+      std::optional<PlanBox> free, seen;
+      for (const Vec<2>& x : {gauge.points.back(), gauge.points.front()})
+        for (const Vec<2>& way : {Vec<2>{aside, 0}, Vec<2>{-aside, 0}, Vec<2>{0, -up}, Vec<2>{0, up},
+                                  Vec<2>{aside, -up}, Vec<2>{-aside, -up}, Vec<2>{aside, up}, Vec<2>{-aside, up}}) {
+          const PlanBox box{x + way - half, x + way + half};
+          if (!is_in_view(x) || !is_in_view(box.low) || !is_in_view(box.high)) continue;
+          if (!seen) seen = box;
+          if (!free && std::none_of(taken.begin(), taken.end(), [&](const PlanBox& t) { return overlap(t, box); }))
+            free = box;
+        }
+      if (!seen) continue;
+      names_.push_back({gauge.name, free.value_or(*seen)});
+      taken.push_back(names_.back().box);
+    }
+  }
+
+  void write_zones() {
+    std::string text = "# outlines of zones: east [m], north [m]\n";
+    bool any = false;
+    for (const MapZone& zone : picture_.zones)
+      for (const PlanLine& line : zone.outlines) {
+        append_line(text, line, 0, line.size() - 1);
+        any = true;
+      }
+    if (!any) return;
+    write_whole(file("_zones.txt"), text);
+    add_plot(fmt::format("{} with lines lw 3.6 lc '#ffffff'", quoted("_zones.txt")));
+    add_plot(fmt::format("{} with lines lw 1.8 dt (6,4) lc '{}'", quoted("_zones.txt"), zone_colour));
+  }
+
+  void write_thalweg() {
+    if (picture_.thalweg.size() < 2) return;
+    std::string text = "# thalweg: east [m], north [m]\n";
+    append_line(text, picture_.thalweg, 0, picture_.thalweg.size() - 1);
+    write_whole(file("_thalweg.txt"), text);
+    add_plot(fmt::format("{} with lines lw 4.5 lc '#ffffff'", quoted("_thalweg.txt")));
+    add_plot(fmt::format("{} with lines lw 2.2 dt (14,5) lc '{}'", quoted("_thalweg.txt"), thalweg_colour));
+    // An arrow at the lower end, as long as its head.
+    const Vec<2> end = picture_.thalweg.back();
+    Vec<2> before = picture_.thalweg[picture_.thalweg.size() - 2];
+    const double last = length(end - before);
+    if (!(last > 0) || !is_in_view(end)) return;
+    before = end + (std::min(1.0, 16 / scale_ / last)) * (before - end);
+    add(fmt::format(
+        "set arrow from {:.10g},{:.10g} to {:.10g},{:.10g} head filled size screen 0.012,20 front lw 2.2 lc '{}'",
+        map_x(before[0]), map_y(before[1]), map_x(end[0]), map_y(end[1]), thalweg_colour));
+  }
+
+  void write_gauges() {
+    const std::string head = "# gauges: east [m], north [m]\n";
+    std::string lines = head, places = head, names = "# east [m], north [m], name\n";
+    for (const MapGauge& gauge : picture_.gauges)
+      append_line(gauge.points.size() > 1 ? lines : places, gauge.points, 0, gauge.points.size() - 1);
+    if (lines != head) {
+      write_whole(file("_gauge_lines.txt"), lines);
+      add_plot(fmt::format("{} with lines lw 5.5 lc '#ffffff'", quoted("_gauge_lines.txt")));
+      add_plot(fmt::format("{} with lines lw 3 lc '{}'", quoted("_gauge_lines.txt"), gauge_colour));
+    }
+    if (places != head) {
+      write_whole(file("_gauge_places.txt"), places);
+      add_plot(fmt::format("{} with points pt 9 ps 2.6 lc '#ffffff'", quoted("_gauge_places.txt")));
+      add_plot(fmt::format("{} with points pt 9 ps 1.7 lc '{}'", quoted("_gauge_places.txt"), gauge_colour));
+    }
+    if (names_.empty()) return;
+    for (const PlacedName& name : names_) {
+      const Vec<2> middle = 0.5 * (name.box.low + name.box.high);
+      names += fmt::format("{:.10g} {:.10g} \"{}\"\n", map_x(middle[0]), map_y(middle[1]), name.text);
+    }
+    write_whole(file("_gauges.txt"), names);
+    add("set style textbox opaque fillcolor '#ffffff' noborder margins 0.7,0.6");
+    add_plot(fmt::format("{} using 1:2:3 with labels boxed font ',12' tc '{}'", quoted("_gauges.txt"), gauge_colour));
+  }
+
+  /// Whether a part of a line is in the view.
+  bool is_seen(const PlanLine& line) const {
+    for (std::size_t i = 0; i < line.size(); ++i) {
+      const Vec<2> from = line[i], way = line[std::min(i + 1, line.size() - 1)] - from;
+      const int n = 1 + int(length(way) * scale_ / 10);
+      for (int k = 0; k <= n; ++k)
+        if (is_in_view(from + (double(k) / n) * way)) return true;
+    }
+    return false;
+  }
+
   void add_line(double x0, double y0, double x1, double y1, const std::string& how) {
     add(fmt::format("set arrow from {} to {} nohead {}", screen(x0, y0), screen(x1, y1), how));
   }
@@ -537,6 +652,28 @@ class MapPage {
     if (!release_.empty()) entry("Release", fmt::format("lw 2.5 lc '{}'", release_colour));
     if (picture_.domain && is_seen(*picture_.domain))
       entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
+    // One line of the legend for each zone, as long as there are few.
+    constexpr std::size_t most_zones = 4;
+    const std::string dashes = fmt::format("lw 1.8 dt (6,4) lc '{}'", zone_colour);
+    std::vector<std::string> zones;
+    for (const MapZone& zone : picture_.zones)
+      if (std::any_of(zone.outlines.begin(), zone.outlines.end(), [&](const PlanLine& l) { return is_seen(l); }))
+        zones.push_back(zone.name);
+    if (zones.size() > most_zones) zones = {fmt::format("{} zones", zones.size())};
+    for (const std::string& name : zones) entry(name, dashes);
+    if (is_seen(picture_.thalweg))
+      entry(picture_.thalweg_width > 0 ? fmt::format("Thalweg, strip of {} m", three_digits(picture_.thalweg_width))
+                                       : std::string("Thalweg"),
+            fmt::format("lw 2.2 dt (12,5) lc '{}'", thalweg_colour));
+    bool lines = false, places = false;
+    for (const MapGauge& gauge : picture_.gauges)
+      if (is_seen(gauge.points)) (gauge.points.size() > 1 ? lines : places) = true;
+    if (lines) entry("Gauge, line", fmt::format("lw 3 lc '{}'", gauge_colour));
+    if (places) {
+      add_text(x + 0.5 * swatch, y, "", fmt::format("point pt 9 ps 1.7 lc '{}'", gauge_colour));
+      add_text(x + swatch + 12, y, "Gauge, place", "font ',12'");
+      y -= row;
+    }
     if (interval_ > 0)
       entry(fmt::format("Contours every {:g} m", interval_), fmt::format("lw 1.2 lc '{}'", contour_colour));
     if (picture_.cell > 0) y = add_cells(x, y);
@@ -588,7 +725,8 @@ class MapPage {
     add_text(nx, ny + 62, "N", "center");
   }
 
-  static constexpr const char *contour_colour = "#8a745f", *release_colour = "#d01c1c", *domain_colour = "#111111";
+  static constexpr const char *contour_colour = "#8a745f", *release_colour = "#d01c1c", *domain_colour = "#111111",
+                              *thalweg_colour = "#00509e", *gauge_colour = "#00509e", *zone_colour = "#1b6e3c";
 
   std::filesystem::path folder_;
   std::string name_;
@@ -603,6 +741,7 @@ class MapPage {
   std::optional<double> scale_end_, largest_;
   std::string shade_plot_;
   std::vector<ContourLabel> labels_;
+  std::vector<PlacedName> names_;
   std::string script_;
   std::vector<std::string> plots_;
 };
@@ -616,6 +755,8 @@ std::string grouped(double value, int decimals) {
   const bool is_zero = digits.find_first_not_of("0. ") == std::string::npos;
   return (value < 0 && !is_zero ? "-" : "") + digits;
 }
+
+std::string three_digits(double value) { return std::abs(value) < 100 ? fmt::format("{:.3g}", value) : grouped(value); }
 
 std::filesystem::path write_map_script(const std::filesystem::path& folder, const std::string& name,
                                        const MapPicture& picture) {

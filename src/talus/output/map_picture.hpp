@@ -30,6 +30,18 @@ struct MapLayer {
   MapScale scale = MapScale::linear;
 };
 
+/// A gauge, with its name beside it: one point is a place, several are a line.
+struct MapGauge {
+  std::string name;
+  PlanLine points;
+};
+
+/// Ground with a contact of its own.
+struct MapZone {
+  std::string name;
+  std::vector<PlanLine> outlines;
+};
+
 /// What a picture shows. All places are in coordinates of the run; axes are in those of the map.
 struct MapPicture {
   std::string title;
@@ -39,8 +51,12 @@ struct MapPicture {
   std::vector<PlanLine> release;           ///< outlines, closed or not
   std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
   std::optional<PlanBox> domain;           ///< of the run
-  double cell = 0;                         ///< edge of the run's cells [m]; 0: not shown
-  std::vector<std::string> notes;          ///< short lines beside the map
+  std::vector<MapZone> zones;
+  std::vector<MapGauge> gauges;
+  PlanLine thalweg;                ///< from its upper end, with an arrow at its lower one; empty: none
+  double thalweg_width = 0;        ///< of the strip along it [m], for the legend
+  double cell = 0;                 ///< edge of the run's cells [m]; 0: not shown
+  std::vector<std::string> notes;  ///< short lines beside the map
   /// The part to be shown; if absent, what is drawn in colours with the release, else the domain, else all terrain,
   /// with a margin.
   std::optional<PlanBox> view;
@@ -57,5 +73,8 @@ bool draw_map(const std::filesystem::path& png, const MapPicture& picture);
 
 /// A number with its digits in groups of three, as on maps: "1 234 500".
 std::string grouped(double value, int decimals = 0);
+
+/// A number with three digits, from 100 on in full: "0.0305", "32 453".
+std::string three_digits(double value);
 
 }  // namespace talus

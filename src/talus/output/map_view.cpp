@@ -87,7 +87,7 @@ nlohmann::json add_ground(const Terrain& ground, double most_pixels, std::string
 
 }  // namespace
 
-std::vector<MapOverlay> overlays_of(const Case& case_) {
+std::vector<MapOverlay> zone_outlines_of(const Case& case_) {
   std::vector<MapOverlay> overlays;
   for (const Solid& solid : case_.solids)
     for (std::size_t i = 0; i < solid.zones.surfaces.size(); ++i) {
@@ -96,6 +96,11 @@ std::vector<MapOverlay> overlays_of(const Case& case_) {
       overlays.push_back({"Zone " + (i < solid.zones.names.size() ? solid.zones.names[i] : std::to_string(i + 1)),
                           "zone", outlines_of(mask)});
     }
+  return overlays;
+}
+
+std::vector<MapOverlay> overlays_of(const Case& case_) {
+  std::vector<MapOverlay> overlays = zone_outlines_of(case_);
   overlays.push_back({"Release", "release", outlines_of(release_of(case_))});
   if (case_.thalweg) overlays.push_back({"Thalweg", "line", {case_.thalweg->points}});
   for (const Gauge& gauge : case_.gauges)

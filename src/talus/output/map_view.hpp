@@ -19,7 +19,9 @@ struct MapOverlay {
   std::vector<PlanLine> lines;  ///< of a point: one place each
 };
 
-/// Outlines of what is released, and of zones with another contact. Gauges and thalwegs belong here as well.
+/// Outlines of zones with another contact.
+std::vector<MapOverlay> zone_outlines_of(const Case& case_);
+/// Zones, outlines of what is released, the thalweg and gauges.
 std::vector<MapOverlay> overlays_of(const Case& case_);
 
 /// How much of the maps goes into a page.

@@ -14,6 +14,7 @@
 #include "talus/case/defaults.hpp"
 #include "talus/mpm/start/filling.hpp"
 #include "talus/output/map_picture.hpp"
+#include "talus/output/map_view.hpp"
 #include "talus/output/raster_file.hpp"
 
 namespace talus {
@@ -52,6 +53,12 @@ MapPicture picture_of(const Case& case_) {
   picture.release_mask = release_of(case_);
   picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
   picture.cell = case_.cell;
+  for (const MapOverlay& zone : zone_outlines_of(case_)) picture.zones.push_back({zone.name, zone.lines});
+  for (const Gauge& gauge : case_.gauges) picture.gauges.push_back({gauge.name, gauge.points});
+  if (case_.thalweg) {
+    picture.thalweg = case_.thalweg->points;
+    picture.thalweg_width = case_.thalweg->width;
+  }
   return picture;
 }
 
@@ -279,7 +286,7 @@ MapsAtEnd TerrainMaps::write(double time, const FlowPoints& points) {
       {"ppr", "Peak dynamic pressure", "kPa", scaled(maps_->peak_pressure(), 1e-3), 0, MapScale::logarithmic},
       {"arrival", "Time of arrival", "s", maps_->arrival(), std::nullopt},
       {"deposit", "Thickness at the end", "m", end.thickness, least},
-      {"change", "Rise of the surface, upright", "m", change_of_surface(end), least, MapScale::about_zero}};
+      {"change", "Vertical rise of the surface", "m", change_of_surface(end), least, MapScale::about_zero}};
   for (const Map& map : all) {
     write_raster_of(folder_, map.what, map.values, map.unit, map.words);
     MapPicture picture = picture_of(case_);
@@ -307,7 +314,7 @@ bool draw_case_map(const fs::path& png, const Case& case_) {
   double volume = 0;
   for (const BodySpec& body : case_.bodies)
     if (std::holds_alternative<SurfaceLayer>(body.region)) volume += talus::volume(body.region, 3);
-  picture.notes = {fmt::format("released: {} m3", grouped(volume))};
+  picture.notes = {fmt::format("released: {} m3", three_digits(volume))};
   picture.view = picture.domain;
   return draw_map(png, picture);
 }

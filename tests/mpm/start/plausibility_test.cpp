@@ -42,13 +42,16 @@ TEST(Plausibility, UnusualValuesAreNamedWithTheUsualRange) {
 }
 
 TEST(Plausibility, AReleaseIsNoThinnerThanHalfAParticle) {
-  // Particles stand 2.5 m apart, and half of that is 1.25 m. Pixels on the outline are covered in part, so a mean is lower.
+  // Particles stand 2.5 m apart, and half of that is 1.25 m. The thickness is that of the release, although pixels on its
+  // outline are covered in part.
   const std::string release =
       "body.slide.release={ polygons = \"landslide/release.geojson\", measured = \"vertical\", thickness = \"";
   const std::vector<std::string> all = doubts("landslide", {release + "1 m\" }"});
   ASSERT_EQ(all.size(), 1u);
-  EXPECT_NE(all[0].find("less than half the `spacing` of its particles, 2.5 m"), std::string::npos) << all[0];
-  EXPECT_TRUE(doubts("landslide", {release + "1.5 m\" }"}).empty());
+  EXPECT_NE(all[0].find("is 1 m thick on average (vertical), less than half the `spacing` of its particles, 2.5 m"),
+            std::string::npos)
+      << all[0];
+  EXPECT_TRUE(doubts("landslide", {release + "1.25 m\" }"}).empty());
 }
 
 TEST(Plausibility, GroundAtRestNeedsSomethingBelowIt) {

@@ -125,9 +125,10 @@ class ParticleRefinement {
   std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double time) {
     const double most_in_cell = most_in_cell_of<Dim>(body.spacing, m.domain.h);
     std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
-    const auto along = [&](const Vec<3>& x, Vec<3> offset) { return left_of_offset(m, x, offset, time); };
     m.backend.for_each(m.shares, [&](int t, int) {
       if (!m.has_particles(t)) return;
+      auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
+      const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];
       const TileParticles& range = body.tiles[std::size_t(t)];
       p.splits = find_splits<Dim>(body, range, m.domain, m.grid.tiles(), t, counts_, along);
@@ -137,10 +138,11 @@ class ParticleRefinement {
   }
 
   /// What walls and solids leave of an offset to both sides: half the way to a wall at most, nothing into a solid.
-  static Vec<3> left_of_offset(const Model<Dim, Shape>& m, const Vec<3>& x, Vec<3> offset, double time) {
+  static Vec<3> left_of_offset(const Model<Dim, Shape>& m, typename ContactFinder<Dim>::SolidsBeside& solids,
+                               const Vec<3>& x, Vec<3> offset) {
     if (!m.contact_finder.solids().empty()) {
-      offset = m.contact_finder.beside_solids(x, offset, time);
-      offset = -1.0 * m.contact_finder.beside_solids(x, -1.0 * offset, time);
+      offset = solids.limited(x, offset);
+      offset = -1.0 * solids.limited(x, -1.0 * offset);
     }
     for (int a = 0; a < Dim; ++a)
       for (const int side : {0, 1}) {

@@ -62,9 +62,8 @@ class ParticleShift {
   void shift_tile(Model<Dim, Shape>& m, int t, double time) {
     double excess[Layout::n_window];
     m.window_of(t, excess_, excess);
-    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) {
-      return m.contact_finder.solids().empty() ? shift : m.contact_finder.beside_solids(x, shift, time);
-    };
+    auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
+    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
       if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, length, beside_solids);

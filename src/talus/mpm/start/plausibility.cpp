@@ -109,20 +109,33 @@ bool floats(const BodySpec& body, const Case& case_) {
   return true;
 }
 
+/// Mean thickness of a layer [m]; not of its outermost pixels, which it may cover in part, unless it has no others.
+double mean_thickness(const PlanRaster& thickness) {
+  double sum = 0, sum_inside = 0;
+  std::size_t n = 0, n_inside = 0;
+  const auto is_covered = [&](int column, int row) {
+    return thickness.has_pixel(column, row) && thickness.at(column, row) > 0;
+  };
+  for (int row = 0; row < thickness.rows; ++row)
+    for (int column = 0; column < thickness.columns; ++column) {
+      if (!is_covered(column, row)) continue;
+      sum += thickness.at(column, row);
+      ++n;
+      bool is_inside = true;
+      for (int i = 0; i < 9; ++i) is_inside = is_inside && is_covered(column + i % 3 - 1, row + i / 3 - 1);
+      if (!is_inside) continue;
+      sum_inside += thickness.at(column, row);
+      ++n_inside;
+    }
+  return n_inside > 0 ? sum_inside / double(n_inside) : n > 0 ? sum / double(n) : 0;
+}
+
 /// A layer thinner than half the particle spacing: its particles are flat plates, and maps show little of it.
 void doubt_thin_layer(std::vector<std::string>& doubts, const BodySpec& body) {
   const auto* layer = std::get_if<SurfaceLayer>(&body.region);
   if (!layer) return;
-  double sum = 0;
-  std::size_t pixels = 0;
-  for (const double t : layer->thickness.values)
-    if (t > 0) {
-      sum += t;
-      ++pixels;
-    }
-  if (pixels == 0) return;
-  const double mean = sum / double(pixels);
-  if (mean >= 0.5 * body.spacing) return;
+  const double mean = mean_thickness(layer->thickness);
+  if (mean == 0 || mean >= (1 - 1e-9) * 0.5 * body.spacing) return;
   doubts.push_back(fmt::format(
       "body.{}.release is {} thick on average (vertical), less than half the `spacing` of its particles, {}: neither "
       "thickness nor speed is resolved. Use a `spacing` of at most half the thickness, and a `cell` of twice that.",

@@ -239,9 +239,23 @@
         pen.setLineDash(dashes); pen.strokeStyle = colour; pen.lineWidth = w; pen.stroke();
         pen.setLineDash([]);
         pen.font = "bold 12px system-ui, sans-serif";
-        if (kind === "line" || kind === "point") text(name, at[0][0] + 9, at[0][1] - 9, "left", colour);
+        if (kind === "line" || kind === "point") text(name, ...place_of_name(at, pen.measureText(name).width), "left", colour);
       }
     }
+  }
+  // Where the name of a line or point fits into the map, beside the coordinates along its edges: as near as possible to
+  // the line's beginning, which may be outside.
+  function place_of_name(line, width) {
+    const beside = (u, v) => [u + 9, v - 9];
+    for (let i = 0; i < line.length; ++i) {
+      const from = line[i], to = line[Math.min(i + 1, line.length - 1)], far = Math.hypot(to[0] - from[0], to[1] - from[1]);
+      const n = Math.min(2000, Math.ceil(far / 8)) || 1;
+      for (let k = 0; k < n; ++k) {
+        const [u, v] = beside(from[0] + k / n * (to[0] - from[0]), from[1] + k / n * (to[1] - from[1]));
+        if (u > 76 && u + width < room.w - 4 && v > 10 && v < room.h - 60) return [u, v];
+      }
+    }
+    return beside(...line[0]);
   }
   // Coordinates along the edges, scale bar, north.
   function draw_frame() {
