@@ -83,7 +83,7 @@ class Stepper final : public Simulation {
   long n_particles() const override { return model_.n_particles; }
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = model_.grid.bytes() + filter_.bytes() + shift_.bytes() + refinement_.bytes();
+    std::size_t b = model_.grid.bytes() + filter_.bytes() + refinement_.bytes();
     for (const auto& body : model_.bodies)
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
     return b;

@@ -64,7 +64,7 @@ class Walls {
       on(backend, held.walls, [&](int t) { fold_moments_on_wall(tiles_, t, m, moments); });
     });
   }
-  void extend(Backend& backend, FilterFit<Dim>* fits) const {
+  void extend(Backend& backend, FitInPlace<Dim>* fits) const {
     for_each_mirror([&](const Mirror& m, const Held& held) {
       if (!m.continues) on(backend, held.images, [&](int t) { extend_fits(tiles_, t, m, fits); });
     });

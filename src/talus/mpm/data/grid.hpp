@@ -1,7 +1,11 @@
 #pragma once
 /// The background grid: only the tiles with material, and the nodes around them.
 
+#include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <new>
 #include <unordered_map>
 #include <vector>
 
@@ -78,23 +82,80 @@ class TileArray {
   std::vector<Node> nodes_;
 };
 
+/// The same in memory of somebody else.
+template <class Node, int per_tile>
+class TileArrayView {
+ public:
+  using Value = Node;
+  static constexpr int n = per_tile;
+  TileArrayView() = default;
+  explicit TileArrayView(Node* first) : first_(first) {}
+  Node* of(int t) { return first_ + std::size_t(t) * per_tile; }
+  const Node* of(int t) const { return first_ + std::size_t(t) * per_tile; }
+  Node* data() { return first_; }
+  const Node* data() const { return first_; }
+
+ private:
+  Node* first_ = nullptr;
+};
+
+/// Memory without values, for arrays that are in use at different times.
+class Room {
+ public:
+  /// Makes the room at least so large [bytes]; what was in it is lost if it was smaller. A sixteenth more is taken, so that
+  /// a slowly growing grid rarely needs new memory.
+  void enlarge(std::size_t bytes) {
+    if (bytes <= bytes_) return;
+    constexpr std::size_t line = 64;
+    bytes_ = (bytes + bytes / 16 + line - 1) / line * line;
+    memory_.reset();
+    memory_.reset(std::aligned_alloc(line, bytes_));
+    if (!memory_) throw std::bad_alloc();
+  }
+  /// The place of values a number of bytes behind the beginning.
+  template <class Value>
+  Value* at(std::size_t bytes) const {
+    return reinterpret_cast<Value*>(static_cast<std::byte*>(memory_.get()) + bytes);
+  }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  struct Free {
+    void operator()(void* p) const { std::free(p); }
+  };
+  std::unique_ptr<void, Free> memory_;
+  std::size_t bytes_ = 0;
+};
+
+/// The tiles and their arrays. All nodal arrays lie in one room and all windows in another: the grid owns both, and no value
+/// in them outlives the following.
+///
+/// | room | from | to | holds |
+/// |---|---|---|---|
+/// | windows | particles give momentum | nodes have added it up | momentum |
+/// | windows | stresses are updated | nodes have added up forces | forces |
+/// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
+/// | nodes, first quarter | momentum is added up | stresses are updated | momentum |
+/// | nodes, first quarter | forces are added up | particles have moved | forces |
+/// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
+/// | nodes | particles are filtered or shifted | the same | moments and fits, volumes |
 template <int Dim, class Shape>
 class Grid {
  public:
   using Layout = TileLayout<Dim, Shape>;
   template <class Node>
-  using Nodes = TileArray<Node, Layout::n_nodes>;
+  using Nodes = TileArrayView<Node, Layout::n_nodes>;
   /// Contributions of the particles of each occupied tile to the nodes in reach.
   template <class Node>
-  using Windows = TileArray<Node, Layout::n_window>;
+  using Windows = TileArrayView<Node, Layout::n_window>;
 
   Nodes<MassMomentum> momentum;      ///< m_I and m_I v_I, from the particles
+  Nodes<ForceStiffness> force;       ///< f_I of stress and loads, in the place of `momentum`
   Nodes<MassVelocity> velocity;      ///< v_I at the start of the step
-  Nodes<ForceStiffness> force;       ///< f_I of stress and loads
   Nodes<Acceleration> acceleration;  ///< a_I
   Nodes<MassVelocity> new_velocity;  ///< v_I at the end of the step
   Windows<MassMomentum> momentum_windows;
-  Windows<ForceStiffness> force_windows;
+  Windows<ForceStiffness> force_windows;  ///< in the place of `momentum_windows`
 
   int n_tiles() const { return int(tiles_.size()); }
   int n_occupied() const { return int(cells_.size()); }
@@ -103,28 +164,53 @@ class Grid {
   /// Of every occupied tile.
   const std::vector<CellRange<Dim>>& cells() const { return cells_; }
 
-  /// Sets the tiles, the occupied ones first.
+  /// Sets the tiles, the occupied ones first. Values of nodes and windows are lost.
   void set_tiles(std::vector<Tile<Dim>> tiles, std::vector<CellRange<Dim>> cells) {
     tiles_ = std::move(tiles);
     cells_ = std::move(cells);
-    momentum.resize(n_tiles());
-    velocity.resize(n_tiles());
-    force.resize(n_tiles());
-    acceleration.resize(n_tiles());
-    new_velocity.resize(n_tiles());
-    momentum_windows.resize(n_occupied());
-    force_windows.resize(n_occupied());
+    make_room_for_nodes(4 * sizeof(MassMomentum));
+    make_room_for_windows(sizeof(MassMomentum));
+  }
+
+  /// Values of another kind at all nodes, in the room of the nodal arrays, whose values are lost: behind `bytes_before`
+  /// bytes a node that others have there.
+  template <class Node>
+  Nodes<Node> in_room_of_nodes(std::size_t bytes_before = 0) {
+    make_room_for_nodes(bytes_before + sizeof(Node));
+    return Nodes<Node>(nodes_.at<Node>(bytes_before * n_nodes()));
+  }
+  /// The same for windows.
+  template <class Node>
+  Windows<Node> in_room_of_windows() {
+    make_room_for_windows(sizeof(Node));
+    return Windows<Node>(windows_.at<Node>(0));
   }
 
   /// Bytes held.
-  std::size_t bytes() const {
-    return momentum.bytes() + velocity.bytes() + force.bytes() + acceleration.bytes() + new_velocity.bytes() +
-           momentum_windows.bytes() + force_windows.bytes() + tiles_.capacity() * sizeof(Tile<Dim>);
-  }
+  std::size_t bytes() const { return nodes_.bytes() + windows_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
 
  private:
+  std::size_t n_nodes() const { return tiles_.size() * Layout::n_nodes; }
+  void make_room_for_nodes(std::size_t bytes_a_node) {
+    nodes_.enlarge(bytes_a_node * n_nodes());
+    const auto place = [&]<class Node>(Nodes<Node>& array, std::size_t number) {
+      array = Nodes<Node>(nodes_.template at<Node>(number * sizeof(Node) * n_nodes()));
+    };
+    place(momentum, 0);
+    place(force, 0);
+    place(velocity, 1);
+    place(acceleration, 2);
+    place(new_velocity, 3);
+  }
+  void make_room_for_windows(std::size_t bytes_a_node) {
+    windows_.enlarge(bytes_a_node * cells_.size() * Layout::n_window);
+    momentum_windows = Windows<MassMomentum>(windows_.at<MassMomentum>(0));
+    force_windows = Windows<ForceStiffness>(windows_.at<ForceStiffness>(0));
+  }
+
   std::vector<Tile<Dim>> tiles_;
   std::vector<CellRange<Dim>> cells_;
+  Room nodes_, windows_;
 };
 
 }  // namespace talus

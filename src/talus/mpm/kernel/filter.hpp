@@ -93,6 +93,28 @@ struct FilterFit {
   }
 };
 
+/// A fit in the place of the moments it was made from.
+template <int Dim>
+struct FitInPlace {
+  FilterFit<Dim> fit;
+  FourMoments unused[FilterMoments<Dim>::n_quads - 1 - Dim];
+
+  TALUS_HD FitInPlace mirrored(int axis, Quad factors) const { return {fit.mirrored(axis, factors), {}}; }
+};
+
+/// Of the moments around a node those that tell the momentum of the particles under any affine velocity.
+template <int Dim>
+struct MomentumMoments {
+  FourMoments zeroth_, mass_at_;
+
+  TALUS_HD explicit MomentumMoments(const FilterMoments<Dim>& m) : zeroth_(m.quads[0]), mass_at_{} {
+    for (int a = 0; a < Dim; ++a) mass_at_.sums[a] = m.mass_at(a);
+  }
+  TALUS_HD Quad zeroth() const { return load_node(zeroth_); }
+  TALUS_HD double mass() const { return zeroth_.sums[3]; }
+  TALUS_HD double mass_at(int a) const { return mass_at_.sums[a]; }
+};
+
 namespace detail {
 
 /// Mean square of a distance, in cells^2, below which velocity is not known to vary along it: that of 1/1000 of a cell.
@@ -269,8 +291,8 @@ TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, Filt
 }
 
 /// The momentum that fits around nodes have beyond that of the particles they were made from [N s]; lanes 0 to 2.
-template <int Dim>
-TALUS_HD Quad momentum_gained(const FilterMoments<Dim>& particles, const FilterFit<Dim>& fit, Quad gained) {
+template <class Moments, int Dim>
+TALUS_HD Quad momentum_gained(const Moments& particles, const FilterFit<Dim>& fit, Quad gained) {
   gained += Quad(particles.mass()) * load_node(fit.at) - particles.zeroth();
   for (int a = 0; a < Dim; ++a) gained += Quad(particles.mass_at(a)) * load_node(fit.slope[a]);
   return gained;
@@ -315,8 +337,8 @@ TALUS_HD void fold_moments_on_wall(const Tile<Dim>* tiles, int t, const Mirror& 
   });
 }
 /// Sets the fits of a tile's images from those of their originals.
-template <int Dim>
-TALUS_HD void extend_fits(const Tile<Dim>* tiles, int t, const Mirror& m, FilterFit<Dim>* fits) {
+template <int Dim, class Fit>
+TALUS_HD void extend_fits(const Tile<Dim>* tiles, int t, const Mirror& m, Fit* fits) {
   constexpr int n = power(tile_edge, Dim);
   for_each_partner(tiles[t], m.axis, m.image, m.original, [&](int own, int other, int theirs) {
     fits[std::size_t(t) * n + own] = fits[std::size_t(other) * n + theirs].mirrored(m.axis, m.factors);

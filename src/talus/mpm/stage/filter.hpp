@@ -2,6 +2,7 @@
 /// Removes the decayed share of the velocities of particles that is not locally affine: v_p -= share
 /// (v - F v)_p (kernel/filter.hpp).
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -15,7 +16,8 @@ struct FilterCost {
   TileSums particles;  ///< as they are now; `wall_impulse` of walls that mirror
 };
 
-/// Moments and fits around nodes; valid during a filtering; the memory is kept.
+/// Moments around nodes and, in their place, fits; valid during a filtering, in the rooms of the grid's arrays, whose values
+/// are lost.
 template <int Dim, class Shape>
 class VelocityFilter {
  public:
@@ -26,12 +28,15 @@ class VelocityFilter {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
     find_moments(m);
     const TileSums contacts = m.over_tiles([&](int t, int, TileSums& sums) {
-      for (int i = 0; i < Layout::n_nodes; ++i) fits_.of(t)[i] = fit_velocity(moments_.of(t)[i], step.least_mass);
+      FilterMoments<Dim> moments[Layout::n_nodes];
+      std::copy_n(moments_.of(t), Layout::n_nodes, moments);
+      for (int i = 0; i < Layout::n_nodes; ++i)
+        fits_.of(t)[i] = FitInPlace<Dim>{fit_velocity(moments[i], step.least_mass), {}};
       for (NodeContact& c : m.contacts_of(t)) {
         c.impulse = {};
         if (!c.holds) continue;
-        const FilterMoments<Dim>& around = moments_.of(t)[c.node];
-        const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node]);
+        const FilterMoments<Dim>& around = moments[c.node];
+        const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node].fit);
         c.pressed = dot(impulse, c.normal) / around.mass();
         c.impulse = impulse;
         sums[Sum::wall_work] += dot(impulse, c.velocity);
@@ -45,7 +50,9 @@ class VelocityFilter {
       if (m.walls->near_wall(t)) add_gain_of_mirrors(m, t, share);
       if (!m.has_particles(t)) return;
       FilterFit<Dim> fits[Layout::n_window];
-      m.window_of(t, fits_, fits);
+      for_each_in_window<Dim, Shape>(
+          m.grid.tile(t), [&](std::size_t node, int w) { fits[w] = fits_.data()[node].fit; },
+          [&](int w) { fits[w] = {}; });
       m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
       add_up_particles_of_tile(m, t, sums);
       add_momentum_of_tile(m, t);
@@ -55,22 +62,23 @@ class VelocityFilter {
 
   /// Bytes held.
   std::size_t bytes() const {
-    std::size_t b = moments_.bytes() + fits_.bytes() + windows_.bytes();
-    for (const auto& given : from_particles_) b += given.capacity() * sizeof(FilterMoments<Dim>);
+    std::size_t b = 0;
+    for (const auto& given : from_particles_) b += given.capacity() * sizeof(MomentumMoments<Dim>);
     return b;
   }
 
  private:
   void find_moments(Model<Dim, Shape>& m) {
-    moments_.resize(m.grid.n_tiles());
-    fits_.resize(m.grid.n_tiles());
-    windows_.resize(m.grid.n_occupied());
+    moments_ = m.grid.template in_room_of_nodes<FilterMoments<Dim>>();
+    fits_ = m.grid.template in_room_of_nodes<FitInPlace<Dim>>();
+    windows_ = m.grid.template in_room_of_windows<EightMoments>();
     [&]<int... octets>(std::integer_sequence<int, octets...>) { (find_octet<octets>(m), ...); }
     (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
     from_particles_.assign(std::size_t(m.grid.n_tiles()), {});
     for (int t = 0; t < m.grid.n_tiles(); ++t)
       if (m.walls->near_wall(t))
-        from_particles_[std::size_t(t)].assign(moments_.of(t), moments_.of(t) + Layout::n_nodes);
+        from_particles_[std::size_t(t)] =
+            std::vector<MomentumMoments<Dim>>(moments_.of(t), moments_.of(t) + Layout::n_nodes);
     m.walls->fold(m.backend, moments_.data());
   }
   /// Eight of the moments of all nodes.
@@ -93,7 +101,8 @@ class VelocityFilter {
   Vec<3> gain_of(int t) const {
     Quad gained(0.0);
     const auto& particles = from_particles_[std::size_t(t)];
-    for (std::size_t i = 0; i < particles.size(); ++i) gained = momentum_gained(particles[i], fits_.of(t)[i], gained);
+    for (std::size_t i = 0; i < particles.size(); ++i)
+      gained = momentum_gained(particles[i], fits_.of(t)[i].fit, gained);
     return vector_of(gained);
   }
 
@@ -102,7 +111,7 @@ class VelocityFilter {
     const auto& particles = from_particles_[std::size_t(t)];
     Quad gained[Layout::n_nodes];
     for (int i = 0; i < Layout::n_nodes; ++i)
-      gained[i] = Quad(share) * momentum_gained(particles[std::size_t(i)], fits_.of(t)[i], Quad(0.0));
+      gained[i] = Quad(share) * momentum_gained(particles[std::size_t(i)], fits_.of(t)[i].fit, Quad(0.0));
     for (const NodeContact& c : m.contacts_of(t)) gained[c.node] -= quad_of(c.impulse);
     Vec<3> of_sides[2 * Dim] = {};
     for (int i = 0; i < Layout::n_nodes; ++i)
@@ -111,9 +120,9 @@ class VelocityFilter {
   }
 
   typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals
-  typename Grid<Dim, Shape>::template Nodes<FilterFit<Dim>> fits_;
+  typename Grid<Dim, Shape>::template Nodes<FitInPlace<Dim>> fits_;
   typename Grid<Dim, Shape>::template Windows<EightMoments> windows_;
-  std::vector<std::vector<FilterMoments<Dim>>> from_particles_;  ///< of the nodes of tiles near walls
+  std::vector<std::vector<MomentumMoments<Dim>>> from_particles_;  ///< of the nodes of tiles near walls
 };
 
 }  // namespace talus

@@ -7,8 +7,8 @@
 
 namespace talus {
 
-/// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift; the memory is
-/// kept.
+/// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift, in the rooms of the
+/// grid's arrays, whose values are lost.
 template <int Dim, class Shape>
 class ParticleShift {
  public:
@@ -17,10 +17,10 @@ class ParticleShift {
   /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
   /// hold.
   TileSums apply(Model<Dim, Shape>& m, double time) {
-    windows_.resize(m.grid.n_occupied());
-    volume_.resize(m.grid.n_tiles());
-    filling_.resize(m.grid.n_tiles());
-    excess_.resize(m.grid.n_tiles());
+    windows_ = m.grid.template in_room_of_windows<double>();
+    volume_ = m.grid.template in_room_of_nodes<double>();
+    filling_ = m.grid.template in_room_of_nodes<double>(sizeof(double));
+    excess_ = m.grid.template in_room_of_nodes<double>(2 * sizeof(double));
     m.backend.for_each(m.shares, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
     exchange_windows(m.backend, m.halo, windows_);
     m.backend.for_each(m.shares,
@@ -43,9 +43,6 @@ class ParticleShift {
       add_up_particles_of_tile(m, t, sums);
     });
   }
-
-  /// Bytes held.
-  std::size_t bytes() const { return windows_.bytes() + volume_.bytes() + filling_.bytes() + excess_.bytes(); }
 
  private:
   void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker) {
