@@ -67,7 +67,7 @@ class Writer {
  public:
   explicit Writer(const fs::path& file) : whole_(file), name_(file) {
     hdf5::begin();
-    in_words([&] {
+    hdf5::write_part_of(name_, [&] {
       const Handle properties(H5Pcreate(H5P_FILE_CREATE), H5Pclose, "make properties");
       check(H5Pset_userblock(properties, block_size), "begin a file");
       file_.emplace(H5Fcreate(whole_.unfinished().c_str(), H5F_ACC_TRUNC, properties, H5P_DEFAULT), H5Fclose,
@@ -77,14 +77,14 @@ class Writer {
   }
   void text(const char* name, const std::string& text) {
     make_room_for(text.size());
-    in_words([&] { hdf5::write_text(*file_, name, text); });
+    hdf5::write_part_of(name_, [&] { hdf5::write_text(*file_, name, text); });
   }
   /// Makes arrays with room for their numbers.
   void make(const std::vector<StateArray>& arrays) {
     std::size_t bytes = 0;
     for (const StateArray& array : arrays) bytes += array.n * sizeof(double) + size_of_header;
     make_room_for(bytes);
-    in_words([&] {
+    hdf5::write_part_of(name_, [&] {
       const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
       check(H5Pset_alloc_time(properties, H5D_ALLOC_TIME_EARLY), "make properties");
       check(H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER), "make properties");
@@ -103,7 +103,7 @@ class Writer {
       const std::vector<double> values = array.part();
       if (values.size() != array.n) throw std::logic_error("other processes have a part of " + array.name);
       if (values.empty()) continue;
-      in_words([&] {
+      hdf5::write_part_of(name_, [&] {
         const Handle set(H5Dopen2(*state_, array.name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
         check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()), "write a dataset");
       });
@@ -111,7 +111,7 @@ class Writer {
   }
   /// Ends what this process writes by HDF5. Returns the name of the file, which has the room that it needs.
   const fs::path& close() {
-    in_words([&] {
+    hdf5::write_part_of(name_, [&] {
       state_.reset();
       check(H5Fflush(*file_, H5F_SCOPE_GLOBAL), "write the file");
       check(H5Fget_filesize(*file_, &size_), "measure the file");
@@ -136,16 +136,8 @@ class Writer {
   void make_room_for(std::size_t bytes) {
     constexpr std::size_t for_names = 1 << 13;
     hsize_t size = 0;
-    in_words([&] { check(H5Fget_filesize(*file_, &size), "measure the file"); });
+    hdf5::write_part_of(name_, [&] { check(H5Fget_filesize(*file_, &size), "measure the file"); });
     whole_.reserve(size + bytes + for_names);
-  }
-  template <class F>
-  void in_words(F f) const {
-    try {
-      f();
-    } catch (const std::exception& e) {
-      throw std::runtime_error(fmt::format("{} cannot be written: {}", name_.string(), e.what()));
-    }
   }
 
   WholeFile whole_;

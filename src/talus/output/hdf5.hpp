@@ -3,6 +3,8 @@
 
 #include <hdf5.h>
 
+#include <filesystem>
+#include <stdexcept>
 #include <string>
 
 namespace talus::hdf5 {
@@ -27,6 +29,17 @@ class Handle {
 
 /// Throws std::runtime_error "HDF5 could not ..." if the status is negative.
 void check(herr_t status, const char* action);
+
+/// Writes a part of a file by HDF5, which does not name it: what is thrown becomes std::runtime_error "FILE cannot be
+/// written: ...".
+template <class Write>
+void write_part_of(const std::filesystem::path& file, Write write) {
+  try {
+    write();
+  } catch (const std::exception& e) {
+    throw std::runtime_error(file.string() + " cannot be written: " + e.what());
+  }
+}
 
 void write_text_attribute(hid_t object, const char* name, const std::string& text);
 std::string read_text_attribute(hid_t object, const char* name);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <optional>
 #include <stdexcept>
 
 #include "talus/base/file.hpp"
@@ -220,20 +221,13 @@ UnfilledSnapshot::UnfilledSnapshot(const std::filesystem::path& file, const Obse
   for_each_dataset(part.seen, fields, [&](const char*, const std::string&, hid_t stored, const Field& field) {
     bytes += part.n_all * std::size_t(field.components) * H5Tget_size(stored);
   });
-  const auto in_words = [&](auto f) {
-    try {
-      f();
-    } catch (const std::exception& e) {
-      throw std::runtime_error(fmt::format("{} cannot be written: {}", file.string(), e.what()));
-    }
-  };
   std::optional<Handle> made;
-  in_words([&] {
+  hdf5::write_part_of(file, [&] {
     made.emplace(H5Fcreate(whole_.unfinished().c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
                  "create the file");
   });
   whole_.reserve(bytes);
-  in_words([&] {
+  hdf5::write_part_of(file, [&] {
     write_frame(*made, part.seen, part.n_all, fields);
     check(H5Fflush(*made, H5F_SCOPE_GLOBAL), "write the file");
   });

@@ -112,7 +112,8 @@ class TerrainMaps {
   std::optional<ThalwegProfile> profile_;
 };
 
-/// Draws the terrain of a case with what is released, the domain, gauges and the thalweg. Returns whether there is gnuplot to do it.
+/// Draws the terrain of a case with what is released, domain, zones, gauges and thalweg. Returns whether there is gnuplot
+/// to do it.
 bool draw_case_map(const std::filesystem::path& png, const Case& case_);
 
 }  // namespace talus
