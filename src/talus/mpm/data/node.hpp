@@ -91,7 +91,10 @@ TALUS_HD inline Quad quad_of(const Vec<3>& v, double fourth = 0) {
 TALUS_HD inline Vec<3> vector_of(Quad q) { return {q[0], q[1], q[2]}; }
 
 /// Scalar product over lanes 0 to 2.
-TALUS_HD inline double dot3(Quad a, Quad b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+TALUS_HD inline double dot3(Quad a, Quad b) {
+  const Quad products = a * b;
+  return products[0] + products[1] + products[2];
+}
 TALUS_HD inline double norm2(Quad v) { return dot3(v, v); }
 
 }  // namespace talus

@@ -46,6 +46,7 @@ template <int Dim>
 TALUS_HD void accelerate(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, double least_mass,
                          double dt, Quad gravity, const ForceStiffness* force, const MassVelocity* velocity,
                          Acceleration* acceleration, MassVelocity* new_velocity, TileSums& sums) {
+  double grid_work = 0, gravity_work = 0, kinetic = 0, wave_speed2 = 0, node_speed2 = 0;
   for_each_node(tile, walls, near_wall, [&](int i, Quad allowed, bool counts) {
     const double mass = velocity[i].mass;
     if (!(mass > least_mass)) {
@@ -60,13 +61,18 @@ TALUS_HD void accelerate(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, 
     store_node(acceleration[i], a);
     store_node(new_velocity[i], v_new);
     if (!counts) return;
-    sums.raise(Most::wave_speed2, stiffness / mass);
-    sums[Sum::grid_work] -= 0.5 * dt * dot3(f, v + v_new);
-    sums[Sum::gravity_work] += 0.5 * dt * mass * dot3(gravity, v + v_new);
+    wave_speed2 = max(wave_speed2, stiffness / mass);
+    grid_work -= 0.5 * dt * dot3(f, v + v_new);
+    gravity_work += 0.5 * dt * mass * dot3(gravity, v + v_new);
     const double speed2 = norm2(v_new);
-    sums[Sum::new_kinetic] += 0.5 * mass * speed2;
-    sums.raise(Most::node_speed2, speed2);
+    kinetic += 0.5 * mass * speed2;
+    node_speed2 = max(node_speed2, speed2);
   });
+  sums[Sum::grid_work] += grid_work;
+  sums[Sum::gravity_work] += gravity_work;
+  sums[Sum::new_kinetic] += kinetic;
+  sums.raise(Most::wave_speed2, wave_speed2);
+  sums.raise(Most::node_speed2, node_speed2);
 }
 
 }  // namespace talus

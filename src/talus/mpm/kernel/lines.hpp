@@ -39,7 +39,6 @@ void fill_rows(const Tile<Dim>& tile, const Node* nodal, NodeRows<Dim, Shape, n_
   using Layout = TileLayout<Dim, Shape>;
   constexpr int edge = Layout::window_edge;
   static constexpr Node nothing[tile_edge] = {};
-  const auto* numbers = reinterpret_cast<const double*>(nodal);
   for (int row = 0; row < power(edge, Dim - 1); ++row) {
     Index<Dim> offset{};
     int at = 0;  // the node of a tile that the row begins with
@@ -48,20 +47,19 @@ void fill_rows(const Tile<Dim>& tile, const Node* nodal, NodeRows<Dim, Shape, n_
       offset[a] = i < 0 ? -1 : i >= tile_edge ? 1 : 0;
       at += length * (i - tile_edge * offset[a]);
     }
-    double(&to)[n_numbers][8] = window.rows[row];
-    const auto copy = [&]<int of_tile, int from, int there, int count>(
-                          std::integer_sequence<int, of_tile, from, there, count>) {
-      offset[0] = of_tile;
+    const Node* line[3];  // of the tiles before, at and behind this one
+    for (int k = 0; k < 3; ++k) {
+      offset[0] = k - 1;
       const int other = tile.neighbours[neighbour_at<Dim>(offset)];
-      const double* node = other < 0 ? reinterpret_cast<const double*>(nothing)
-                                     : numbers + 4 * (std::size_t(other) * Layout::n_nodes + std::size_t(at + from));
-      for (int i = 0; i < count; ++i)
-        for (int c = 0; c < Dim; ++c) to[first + c][there + i] = node[4 * i + c];
-    };
-    constexpr int below = Layout::below;
-    copy(std::integer_sequence<int, -1, tile_edge - below, 0, below>());
-    copy(std::integer_sequence<int, 0, 0, below, tile_edge>());
-    copy(std::integer_sequence<int, 1, 0, below + tile_edge, Layout::above>());
+      line[k] = other < 0 ? nothing : nodal + std::size_t(other) * Layout::n_nodes + at;
+    }
+    Quad nodes[2][4];
+    for (int i = 0; i < 8; ++i) {
+      const int there = i - Layout::below + tile_edge;
+      nodes[i / 4][i % 4] = i < edge ? load_node(line[there / tile_edge][there % tile_edge]) : Quad(0.0);
+    }
+    for (auto& four : nodes) transpose(four);
+    for (int c = 0; c < Dim; ++c) store(window.rows[row][first + c], octet_of(nodes[0][c], nodes[1][c]));
   }
 }
 
@@ -289,17 +287,23 @@ struct alignas(64) SumRows {
   template <NodeOfFour Node>
   void load_from(const Node* window) {
     for (int r = 0; r < n; ++r)
-      for (int i = 0; i < edge; ++i) {
-        const auto* node = reinterpret_cast<const double*>(window + edge * r + i);
-        for (int k = 0; k < 4; ++k) rows[r][k / 2][i][k % 2] = node[k];
+      for (int i = 0; i < edge; i += 2) {
+        const Node* at = window + edge * r + i;
+        const FourDoubles a = load_node(at[0]).lanes, b = i + 1 < edge ? load_node(at[1]).lanes : FourDoubles{};
+        write(shuffle<0, 1, 4, 5>(a, b), rows[r][0][i]);
+        write(shuffle<2, 3, 6, 7>(a, b), rows[r][1][i]);
       }
   }
   template <NodeOfFour Node>
   void store_to(Node* window) const {
     for (int r = 0; r < n; ++r)
-      for (int i = 0; i < edge; ++i) {
-        auto* node = reinterpret_cast<double*>(window + edge * r + i);
-        for (int k = 0; k < 4; ++k) node[k] = rows[r][k / 2][i][k % 2];
+      for (int i = 0; i < edge; i += 2) {
+        Node* at = window + edge * r + i;
+        FourDoubles a, b;
+        read(rows[r][0][i], a);
+        read(rows[r][1][i], b);
+        store_node(at[0], Quad(shuffle<0, 1, 4, 5>(a, b)));
+        if (i + 1 < edge) store_node(at[1], Quad(shuffle<2, 3, 6, 7>(a, b)));
       }
   }
 };

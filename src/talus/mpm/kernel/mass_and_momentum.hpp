@@ -62,13 +62,15 @@ TALUS_HD void add_affine_momentum(const TilePoints<Dim, Shape>& points, const Do
 template <int Dim>
 TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, double least_mass,
                               const MassMomentum* momentum, MassVelocity* velocity, TileSums& sums) {
+  double kinetic = 0;
   for_each_node(tile, walls, near_wall, [&](int i, Quad allowed, bool counts) {
     const double mass = momentum[i].mass;
     Quad v = mass > least_mass ? allowed * (Quad(1 / mass) * load_node(momentum[i])) : Quad(0.0);
     v.set(3, mass);
     store_node(velocity[i], v);
-    if (counts) sums[Sum::held_kinetic] += 0.5 * mass * norm2(v);
+    if (counts) kinetic += 0.5 * mass * norm2(v);
   });
+  sums[Sum::held_kinetic] += kinetic;
 }
 
 /// What the particles of a tile hold, added over bodies four by four.
