@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <deque>
 #include <exception>
 #include <mutex>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "talus/backend/backend.hpp"
@@ -20,25 +22,36 @@ class NobodyThere : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Where owners exchange messages: each waits until all have come.
+/// Where owners leave messages for each other, and wait for those of all.
 class MeetingPlace {
  public:
-  explicit MeetingPlace(int n_owners) : sent_(std::size_t(n_owners)), received_(std::size_t(n_owners)) {}
+  /// Exchanges of different kinds may be under way at the same time.
+  enum Kind { at_once, begun };
 
-  int n_owners() const { return int(sent_.size()); }
+  explicit MeetingPlace(int n_owners)
+      : queues_{Queues(std::size_t(n_owners), std::vector<Queue>(std::size_t(n_owners))),
+                Queues(std::size_t(n_owners), std::vector<Queue>(std::size_t(n_owners)))} {}
 
-  std::vector<Message> exchange(int owner, std::vector<Message> messages) {
+  int n_owners() const { return int(queues_[0].size()); }
+
+  void send(Kind kind, int owner, std::vector<Message> messages) {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t to = 0; to < messages.size(); ++to)
+      queues_[kind][to][std::size_t(owner)].push_back(std::move(messages[to]));
+    everybody_.notify_all();
+  }
+  std::vector<Message> receive(Kind kind, int owner) {
     std::unique_lock lock(mutex_);
-    const auto own = std::size_t(owner);
-    sent_[own] = std::move(messages);
-    const long mine = round_;
-    if (++n_here_ == n_owners()) {
-      deliver();
-      everybody_.notify_all();
+    std::vector<Queue>& queues = queues_[kind][std::size_t(owner)];
+    const auto all_sent = [&] { return std::ranges::none_of(queues, [](const Queue& q) { return q.empty(); }); };
+    const bool met = everybody_.wait_for(lock, longest_wait, [&] { return all_sent() || left_ > 0; });
+    if (!all_sent()) throw NobodyThere(met ? "another owner has stopped" : "another owner does not come");
+    std::vector<Message> received;
+    for (Queue& queue : queues) {
+      received.push_back(std::move(queue.front()));
+      queue.pop_front();
     }
-    const bool met = everybody_.wait_for(lock, longest_wait, [&] { return round_ != mine || left_ > 0; });
-    if (round_ == mine) throw NobodyThere(met ? "another owner has stopped" : "another owner does not come");
-    return std::move(received_[own]);
+    return received;
   }
 
   /// An owner stops for good: nobody waits for it any more.
@@ -49,26 +62,19 @@ class MeetingPlace {
   }
 
  private:
-  void deliver() {
-    for (std::size_t to = 0; to < received_.size(); ++to) {
-      received_[to].clear();
-      for (auto& messages : sent_) received_[to].push_back(std::move(messages[to]));
-    }
-    n_here_ = 0;
-    ++round_;
-  }
+  using Queue = std::deque<Message>;
+  using Queues = std::vector<std::vector<Queue>>;  ///< by receiver and sender
 
   static constexpr std::chrono::seconds longest_wait{30};
 
   std::mutex mutex_;
   std::condition_variable everybody_;
-  std::vector<std::vector<Message>> sent_, received_;
-  int n_here_ = 0, left_ = 0;
-  long round_ = 0;
+  Queues queues_[2];
+  int left_ = 0;
 };
 
 /// What one owner sees of it. Its own loops run on `n_threads` threads.
-class SplitBackend final : public Backend {
+class SplitBackend : public Backend {
  public:
   SplitBackend(MeetingPlace& place, int owner, int n_threads)
       : place_(place), owner_(owner), threads_(n_threads == 1 ? make_serial() : make_openmp(n_threads)) {}
@@ -97,8 +103,21 @@ class SplitBackend final : public Backend {
     kept_ = messages[std::size_t(owner_)];
     sent_.clear();
     for (const Message& m : messages) sent_.insert(sent_.end(), m.begin(), m.end());
-    return place_.exchange(owner_, std::move(messages));
+    place_.send(MeetingPlace::at_once, owner_, std::move(messages));
+    return place_.receive(MeetingPlace::at_once, owner_);
   }
+  void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>&) override {
+    finish_exchange();
+    place_.send(MeetingPlace::begun, owner_, std::move(messages));
+    is_under_way_ = true;
+  }
+  std::vector<Message> finish_exchange() override {
+    if (!std::exchange(is_under_way_, false)) return {};
+    return place_.receive(MeetingPlace::begun, owner_);
+  }
+
+  /// Whether an exchange was begun and is not finished.
+  bool is_under_way() const { return is_under_way_; }
 
   /// What this owner has sent to itself in the last exchange: of what all gather, its own part.
   const Message& own_part() const { return kept_; }
@@ -110,6 +129,7 @@ class SplitBackend final : public Backend {
   int owner_;
   std::unique_ptr<Backend> threads_;
   Message kept_, sent_;
+  bool is_under_way_ = false;
 };
 
 /// Runs f(backend) for every owner at the same time. Returns what each has thrown; null where nothing.

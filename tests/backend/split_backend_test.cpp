@@ -31,6 +31,26 @@ TEST(SplitBackend, WhatIsGatheredComesInTheOrderOfOwnersRoundAfterRound) {
   });
 }
 
+TEST(SplitBackend, WhatWasBegunIsUnderWayWhileOwnersGatherOtherThingsAndIsReceivedOnce) {
+  run_as_owners(3, [](SplitBackend& backend) {
+    const double own = backend.owner();
+    EXPECT_TRUE(backend.finish_exchange().empty());
+    backend.begin_exchange({{own, 0}, {own, 1}, {own, 2}}, {2, 2, 2});
+    EXPECT_TRUE(backend.is_under_way());
+    ASSERT_EQ(backend.gather({10 * own}), (std::vector<Message>{{0}, {10}, {20}}));
+    ASSERT_EQ(backend.finish_exchange(), (std::vector<Message>{{0, own}, {1, own}, {2, own}}));
+    EXPECT_FALSE(backend.is_under_way());
+    EXPECT_TRUE(backend.finish_exchange().empty());
+  });
+}
+
+TEST(SplitBackend, TheNextExchangeTakesThePlaceOfOneThatWasNotFinished) {
+  run_as_owners(2, [](SplitBackend& backend) {
+    for (const double round : {1, 2}) backend.begin_exchange({{round}, {round}}, {1, 1});
+    ASSERT_EQ(backend.finish_exchange(), (std::vector<Message>{{2}, {2}}));
+  });
+}
+
 TEST(SplitBackend, AnOwnerThatStopsLetsNobodyWait) {
   const auto thrown = run_as_owners(3, [](SplitBackend& backend) {
     backend.gather({1});

@@ -255,7 +255,9 @@ TEST_F(Processes, SpeakWithOneVoice) {
   EXPECT_EQ(mistaken.output.find("phi = 30"), mistaken.output.rfind("phi = 30")) << mistaken.output;
   const Finished checked = on(3, "check " + in("case.toml") + " --threads 1");
   EXPECT_EQ(checked.code, 0) << checked.output;
-  EXPECT_TRUE(has(checked.output, "process   particles   tiles   neighbours   messages a step")) << checked.output;
+  EXPECT_TRUE(
+      has(checked.output, "process   particles   tiles   neighbours   messages a step   kB a step   ms waiting"))
+      << checked.output;
 }
 
 TEST_F(Processes, ReportAnErrorOfTheRunOnce) {

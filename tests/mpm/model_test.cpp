@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <numeric>
+
+#include "backend/split_backend.hpp"
 #include "mpm/small_model.hpp"
 
 namespace talus::model_test {
@@ -32,6 +36,36 @@ TEST(Model, SumsOverTilesAreAddedInTheirOrder) {
     sums[Sum::mass] = t == 0 ? 1e16 : t == 1 ? 1 : t == 2 ? -1e16 : 0;
   });
   EXPECT_EQ(total[Sum::mass], 0) << "1e16 + 1 is 1e16";
+}
+
+TEST(Model, TilesWhoseWindowsOthersNeedAreFilledFirstAndTheRestWhileTheseAreOnTheirWay) {
+  run_as_owners(2, [](SplitBackend& backend) {
+    std::vector<Vec<2>> places;  // one in each of twelve tiles in a row
+    for (int i = 0; i < 12 && backend.owner() == 0; ++i) places.push_back({4.0 * i + 1, 1});
+    std::vector<ShapedBody<2, Quadratic>> bodies;
+    bodies.push_back({small_body(places), Quadratic()});
+    Model<2, Quadratic> model(unit_cells<2>(48), {}, std::move(bodies), {}, pure_flip(), backend);
+    arrange(model);
+    std::vector<int> first, later;
+    model.fill_windows(model.grid.momentum_windows, [&](int t, int) {
+      (backend.is_under_way() ? later : first).push_back(t);
+      if (!model.has_particles(t)) return;
+      clear_window<2, Quadratic>(model.grid.momentum_windows.of(t));
+      model.grid.momentum_windows.of(t)[0].mass = double(model.halo.number[std::size_t(t)]);
+    });
+    EXPECT_EQ(first, tiles_to_send(model.halo));
+    EXPECT_EQ(first.size(), 3u) << "as many as there are rings";
+    std::vector<int> all = first;
+    all.insert(all.end(), later.begin(), later.end());
+    std::sort(all.begin(), all.end());
+    std::vector<int> each_once(std::size_t(model.grid.n_tiles()));
+    std::iota(each_once.begin(), each_once.end(), 0);
+    EXPECT_EQ(all, each_once);
+    model.add_windows(model.grid.momentum_windows, model.grid.momentum);
+    EXPECT_FALSE(backend.is_under_way());
+    for (int t = 0; t < model.grid.n_occupied(); ++t)
+      EXPECT_EQ(model.grid.momentum_windows.of(t)[0].mass, double(model.halo.number[std::size_t(t)]));
+  });
 }
 
 TEST(Model, KnowsWhatItsBodiesHaveAtTheStart) {

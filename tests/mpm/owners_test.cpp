@@ -429,6 +429,57 @@ TEST(Owners, HaveTheBitsOfOneOnSeveralThreadsEach) {
   for (const Result& owner : of_owners(2, what, 20, nullptr, 3)) EXPECT_EQ(difference(one, owner), "");
 }
 
+/// An owner that counts the tiles it works on while an exchange is under way.
+class Counting final : public Backend {
+ public:
+  explicit Counting(SplitBackend& split) : split_(split) {}
+  int n_workers() const override { return split_.n_workers(); }
+  using Backend::for_each;
+  void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
+    if (split_.is_under_way()) n_ += shares.back();
+    split_.for_each(shares, body);
+  }
+  int n_owners() const override { return split_.n_owners(); }
+  int owner() const override { return split_.owner(); }
+  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) override {
+    return split_.divide(dim, places, work);
+  }
+  std::vector<Message> exchange(std::vector<Message> messages) override { return split_.exchange(std::move(messages)); }
+  void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {
+    ++n_begun_;
+    split_.begin_exchange(std::move(messages), sizes);
+  }
+  std::vector<Message> finish_exchange() override { return split_.finish_exchange(); }
+
+  long n_begun() const { return n_begun_; }
+  long n_tiles() const { return n_; }
+
+ private:
+  SplitBackend& split_;
+  long n_begun_ = 0, n_ = 0;
+};
+
+TEST(Owners, WorkOnTheOtherTilesWhileWindowsAreOnTheirWayTwiceAStep) {
+  Case what = running_block(Kind::plane_strain);
+  what.bodies[0].region = Box{{0.2, 0, 0}, {3.8, 0.4, 0}};  // nine tiles in a row, so that some are inside
+  what.bodies[0].velocity = {};
+  what.numerics.transfer = Transfer::flip;  // without filter
+  what.numerics.particle_shifting = false;  // which exchanges volumes
+  for (const Order order : {Order::usf, Order::musl}) {
+    what.numerics.order = order;
+    run_as_owners(2, [&](SplitBackend& split) {
+      Counting owner(split);
+      const auto simulation = make_simulation(what, owner);
+      simulation->step();  // without what was begun with the simulation
+      const long begun = owner.n_begun(), tiles = owner.n_tiles();
+      const int n_steps = 3;
+      for (int i = 0; i < n_steps; ++i) simulation->step();
+      EXPECT_EQ(owner.n_begun() - begun, n_steps * (order == Order::usf ? 2 : 3)) << "momentum once more with musl";
+      EXPECT_GE(owner.n_tiles() - tiles, 2 * n_steps * 3);
+    });
+  }
+}
+
 /// A block whose particles are two cells apart at the start, and fall apart: those inside are split at once.
 Case block_that_is_split() {
   Case what = running_block(Kind::three_dimensional, cohesive_friction<MohrCoulomb>());

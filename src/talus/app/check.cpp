@@ -129,13 +129,14 @@ double measure_step(const Case& case_, Simulation& simulation) {
 void print_loads(const Simulation& simulation, const std::vector<Processes::Load>& before) {
   const std::vector<Processes::Load> loads = processes().loads(simulation);
   if (loads.empty()) return;
-  fmt::print("  process   particles   tiles   neighbours   messages a step   kB a step\n");
+  fmt::print("  process   particles   tiles   neighbours   messages a step   kB a step   ms waiting a step\n");
   const double steps = double(std::max(1L, simulation.ledger().step));
   for (std::size_t o = 0; o < loads.size(); ++o) {
     const auto& [share, traffic] = loads[o];
-    fmt::print("  {:7}   {:9}   {:5}   {:10}   {:15.1f}   {:9.1f}\n", o, share.n_particles, share.n_tiles,
+    fmt::print("  {:7}   {:9}   {:5}   {:10}   {:15.1f}   {:9.1f}   {:17.3f}\n", o, share.n_particles, share.n_tiles,
                share.n_neighbours, double(traffic.n_messages - before[o].traffic.n_messages) / steps,
-               1e-3 * double(traffic.n_bytes - before[o].traffic.n_bytes) / steps);
+               1e-3 * double(traffic.n_bytes - before[o].traffic.n_bytes) / steps,
+               1e3 * (traffic.seconds - before[o].traffic.seconds) / steps);
   }
 }
 

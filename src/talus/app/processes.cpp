@@ -52,10 +52,10 @@ std::string unpacked(const Message& message) {
 Message load_of(const Simulation& simulation, const Transport& transport) {
   const Share share = simulation.share();
   const Traffic traffic = transport.traffic();
-  return {double(share.n_particles),  double(share.n_tiles),   double(share.n_neighbours),
-          double(traffic.n_messages), double(traffic.n_bytes), double(simulation.bytes())};
+  return {double(share.n_particles), double(share.n_tiles), double(share.n_neighbours), double(traffic.n_messages),
+          double(traffic.n_bytes),   traffic.seconds,       double(simulation.bytes())};
 }
-constexpr std::size_t bytes_in_load = 5;
+constexpr std::size_t bytes_in_load = 6;
 
 /// Start of all processes: each reads the case; an error of one stops all.
 std::unique_ptr<Simulation> make_part(Transport& transport, const Case* case_of_first, const std::string& file,
@@ -389,7 +389,7 @@ std::vector<Processes::Load> Processes::loads(const Simulation& simulation) cons
   std::vector<Load> loads;
   if (const auto* shared = dynamic_cast<const SharedSimulation*>(&simulation))
     for (const Message& m : shared->loads())
-      loads.push_back({{long(m[0]), long(m[1]), long(m[2])}, {long(m[3]), long(m[4])}});
+      loads.push_back({{long(m[0]), long(m[1]), long(m[2])}, {long(m[3]), long(m[4]), m[5]}});
   return loads;
 }
 

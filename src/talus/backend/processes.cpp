@@ -31,7 +31,11 @@ class BackendOfProcesses final : public Backend {
   int n_workers() const override { return threads_->n_workers(); }
   using Backend::for_each;
   void for_each(const Shares& shares, const std::function<void(int, int)>& body) override {
-    threads_->for_each(shares, body);
+    if (!transport_.advance_exchange()) return threads_->for_each(shares, body);
+    threads_->for_each(shares, [&](int i, int worker) {
+      body(i, worker);
+      if (worker == 0) transport_.advance_exchange();  // on the calling thread, as MPI needs it
+    });
   }
 
   int n_owners() const override { return transport_.n_processes(); }
@@ -45,6 +49,10 @@ class BackendOfProcesses final : public Backend {
   std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {
     return transport_.exchange_sized(std::move(messages), sizes);
   }
+  void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {
+    transport_.begin_exchange(std::move(messages), sizes);
+  }
+  std::vector<Message> finish_exchange() override { return transport_.finish_exchange(); }
   std::vector<Message> gather(const Message& message) override { return transport_.gather(message); }
   std::vector<Message> gather_at_first(const Message& message) override { return transport_.gather_at_first(message); }
 

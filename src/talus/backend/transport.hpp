@@ -11,9 +11,10 @@
 
 namespace talus {
 
-/// What a process has sent so far.
+/// What a process has sent so far, and how long it has waited for others.
 struct Traffic {
   long n_messages = 0, n_bytes = 0;
+  double seconds = 0;
 };
 
 /// Largest work of a process over the mean at which tiles are divided again.
@@ -53,6 +54,11 @@ class Transport {
   virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) = 0;
   virtual std::vector<Message> exchange(std::vector<Message> messages) = 0;
   virtual std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) = 0;
+  virtual void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) = 0;
+  virtual std::vector<Message> finish_exchange() = 0;
+  /// Lets the messages of the exchange that was begun move on: MPI does so only when it is called. Returns false if none
+  /// are on their way.
+  virtual bool advance_exchange() = 0;
   virtual std::vector<Message> gather(const Message& message) = 0;
   virtual std::vector<Message> gather_at_first(const Message& message) = 0;
   /// The message of process 0.

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -66,20 +68,33 @@ void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<D
   }
 }
 
-/// Divides the tiles among threads in shares of about equal work.
+/// Divides tiles among threads in shares of about equal work.
+template <int Dim, class Shape>
+Shares deal_out(const Model<Dim, Shape>& m, const std::vector<int>& tiles) {
+  constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // cost of the nodes of a tile, in particles
+  const int n_workers = m.backend.n_workers();
+  std::vector<long> work{0};
+  for (const int t : tiles) {
+    work.push_back(work.back() + nodes);
+    if (m.grid.tile(t).occupied)
+      for (const auto& body : m.bodies) work.back() += body.tiles[std::size_t(t)].size();
+  }
+  Shares shares;
+  for (int w = 0; w <= n_workers; ++w)
+    shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
+  return shares;
+}
 template <int Dim, class Shape>
 void deal_out_tiles(Model<Dim, Shape>& m) {
-  constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // cost of the nodes of a tile, in particles
-  const int n_tiles = m.grid.n_tiles(), n_workers = m.backend.n_workers();
-  std::vector<long> work(std::size_t(n_tiles) + 1, 0);
-  for (int t = 0; t < n_tiles; ++t) {
-    work[t + 1] = work[t] + nodes;
-    if (m.grid.tile(t).occupied)
-      for (const auto& body : m.bodies) work[t + 1] += body.tiles[t].size();
-  }
-  m.shares.clear();
-  for (int w = 0; w <= n_workers; ++w)
-    m.shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
+  std::vector<int> all(std::size_t(m.grid.n_tiles()));
+  std::iota(all.begin(), all.end(), 0);
+  m.shares = deal_out(m, all);
+  if (m.backend.n_owners() == 1) return;
+  m.border.tiles = tiles_to_send(m.halo);
+  m.inside.tiles.clear();
+  std::set_difference(all.begin(), all.end(), m.border.tiles.begin(), m.border.tiles.end(),
+                      std::back_inserter(m.inside.tiles));
+  for (TileLoop* loop : {&m.border, &m.inside}) loop->shares = deal_out(m, loop->tiles);
 }
 
 /// Sets up the grid for the particles of this owner, which are in the order of cells. `tiles` of the bodies are ranges

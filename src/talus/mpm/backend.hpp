@@ -6,6 +6,7 @@
 /// usual case, has none.
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace talus {
@@ -57,12 +58,23 @@ class Backend {
     (void)sizes;
     return exchange(std::move(messages));
   }
+  /// Starts the same; messages are on their way while this owner goes on. One such exchange at a time: what has not been
+  /// received when the next one begins is lost.
+  virtual void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) {
+    under_way_ = exchange_sized(std::move(messages), sizes);
+  }
+  /// Waits for what was begun. Returns what each owner has sent, or an empty list if it has been received already.
+  virtual std::vector<Message> finish_exchange() { return std::exchange(under_way_, {}); }
+
   /// The messages of all owners, in their order; every owner receives them.
   virtual std::vector<Message> gather(const Message& message) {
     return exchange(std::vector<Message>(std::size_t(n_owners()), message));
   }
   /// The messages of all owners, in their order, for the first owner. The others may receive them, or an empty list.
   virtual std::vector<Message> gather_at_first(const Message& message) { return gather(message); }
+
+ private:
+  std::vector<Message> under_way_;
 };
 
 /// Of whole numbers, whose sum does not depend on who has which.

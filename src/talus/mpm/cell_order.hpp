@@ -126,7 +126,7 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& doma
   for (auto& body : bodies) {
     Particles<Dim>& particles = body.particles;
     const int n = particles.size();
-    std::vector<int> slot(n);  // the particle's line and cell among those of all occupied tiles
+    std::vector<std::uint32_t> slot(n);  // the particle's line and cell among those of all occupied tiles
     std::vector<int> next(n_tiles * n_slots + 1, 0);
     int last = 0;
     for (int i = 0; i < n; ++i) {
@@ -143,7 +143,7 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& doma
         const double in_tile = (particles.position(a)[i] - domain.origin[a]) / domain.h - tile_edge * place[a];
         line = (tile_edge + 1) * line + std::clamp(cell_of(in_tile + 0.5), 0, tile_edge);
       }
-      slot[i] = last * n_slots + tile_edge * line + cell[0];
+      slot[i] = std::uint32_t(last) * n_slots + std::uint32_t(tile_edge * line + cell[0]);
       ++next[slot[i] + 1];
     }
     // Counts become first places, tile after tile, line after line.
@@ -152,10 +152,12 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& doma
     for (std::size_t t = 0; t < n_tiles; ++t) body.tiles[t] = {next[t * n_slots], next[(t + 1) * n_slots]};
     std::vector<int> order(n);
     for (int i = 0; i < n; ++i) order[next[slot[i]]++] = i;
-    backend.for_each(particles.columns().n_columns(), [&](int c, int) {
-      thread_local std::vector<double> spare;
-      if (int(spare.size()) < n) spare.resize(n);
-      particles.columns().permute(c, order, spare);
+    std::vector<std::uint32_t>().swap(slot);  // its memory serves as working space
+    std::vector<std::vector<double>> spare(std::size_t(backend.n_workers()));
+    backend.for_each(particles.columns().n_columns(), [&](int c, int worker) {
+      std::vector<double>& own = spare[std::size_t(worker)];
+      own.resize(std::size_t(n));
+      particles.columns().permute(c, order, own);
     });
   }
   return ranges;

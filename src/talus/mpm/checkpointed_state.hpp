@@ -227,12 +227,12 @@ void restore_body(Body<Dim>& body, std::size_t number, const std::vector<double>
                   const std::vector<int>& owners, int own, const ReadArray& read) {
   Ranges ranges;
   body.tiles.clear();
-  int n_own = 0;
+  std::size_t n_own = 0;
   for (std::size_t t = 0; t < owners.size(); ++t) {
     if (owners[t] != own) continue;
     const std::size_t from = std::size_t(begins[t]), to = std::size_t(begins[t + 1]);
-    body.tiles.push_back({n_own, n_own + int(to - from)});
-    n_own += int(to - from);
+    body.tiles.push_back({int(n_own), int(n_own + (to - from))});
+    n_own += to - from;
     if (!ranges.empty() && ranges.back().second == from)
       ranges.back().second = to;
     else

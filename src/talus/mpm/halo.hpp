@@ -122,12 +122,23 @@ Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells
   return halo;
 }
 
-/// Receives the windows of the halo from their owners.
+/// The tiles whose windows other owners need, in their order.
+inline std::vector<int> tiles_to_send(const Halo& halo) {
+  std::vector<int> all;
+  for (const std::vector<int>& tiles : halo.sends) all.insert(all.end(), tiles.begin(), tiles.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 template <class Windows>
-void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
+inline constexpr std::size_t numbers_of_window = Windows::n * sizeof(typename Windows::Value) / sizeof(double);
+
+/// Sends the windows that other owners need, and returns while they are on their way.
+template <class Windows>
+void begin_exchange(Backend& backend, const Halo& halo, const Windows& windows) {
   if (backend.n_owners() == 1) return;
-  using Node = typename Windows::Value;
-  constexpr std::size_t numbers = Windows::n * sizeof(Node) / sizeof(double);
+  constexpr std::size_t numbers = numbers_of_window<Windows>;
   std::vector<Message> messages(halo.sends.size());
   for (std::size_t o = 0; o < halo.sends.size(); ++o) {
     messages[o].reserve(halo.sends[o].size() * numbers);
@@ -138,11 +149,26 @@ void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
   }
   std::vector<std::size_t> sizes;
   for (const std::vector<int>& tiles : halo.receives) sizes.push_back(tiles.size() * numbers);
-  const std::vector<Message> received = backend.exchange_sized(std::move(messages), sizes);
-  for (std::size_t o = 0; o < halo.receives.size(); ++o)
+  backend.begin_exchange(std::move(messages), sizes);
+}
+
+/// Waits for the windows of the halo, unless they are here already.
+template <class Windows>
+void finish_exchange(Backend& backend, const Halo& halo, Windows& windows) {
+  if (backend.n_owners() == 1) return;
+  constexpr std::size_t numbers = numbers_of_window<Windows>;
+  const std::vector<Message> received = backend.finish_exchange();
+  for (std::size_t o = 0; o < received.size(); ++o)
     for (std::size_t i = 0; i < halo.receives[o].size(); ++i)
       std::memcpy(static_cast<void*>(windows.of(halo.receives[o][i])), &received[o][i * numbers],
                   numbers * sizeof(double));
+}
+
+/// Receives the windows of the halo from their owners.
+template <class Windows>
+void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
+  begin_exchange(backend, halo, windows);
+  finish_exchange(backend, halo, windows);
 }
 
 /// Number in the run of the tile of each of a body's particles; before particles are in tiles, the owner's number, as owners

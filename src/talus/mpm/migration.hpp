@@ -78,7 +78,7 @@ void move_to_owners(Backend& backend, Bodies& bodies, const Domain<Dim>& domain,
       n += n_rows;
     }
     std::stable_sort(pieces.begin(), pieces.end(), [](const Piece& a, const Piece& b) { return a.tile < b.tile; });
-    body.particles.resize(int(n));
+    body.particles.resize(n);
     for (std::size_t c = 0; c < n_columns; ++c) {
       double* row = columns.column(int(c));
       for (const Piece& p : pieces) {

@@ -79,6 +79,12 @@ struct StressTime {
   double seconds = 0, updates = 0;
 };
 
+/// Some tiles in the order of a loop over them, dealt out to threads.
+struct TileLoop {
+  std::vector<int> tiles;
+  Shares shares;
+};
+
 template <int Dim, class Shape>
 struct Model {
   using Layout = TileLayout<Dim, Shape>;
@@ -120,6 +126,7 @@ struct Model {
   std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
   std::vector<TileAccounts> accounts;                 ///< of this step, tile by tile
   Shares shares;                                      ///< the tiles, dealt out to threads
+  TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                       ///< one a thread
   std::vector<std::vector<StressTime>> stress_times;  ///< by thread and body, since particles were put in order
 
@@ -128,11 +135,30 @@ struct Model {
   /// Particles over those at the start that splitting may make; beyond, nothing is split.
   static constexpr long growth = 4;
 
+  /// Runs f(tile, worker) for every tile, which fills the windows of those with particles. Tiles whose windows other owners
+  /// need come first; these are on their way while the others are computed.
+  template <class Windows, class F>
+  void fill_windows(const Windows& windows, F f) {
+    if (backend.n_owners() == 1) return backend.for_each(shares, f);
+    for_each_of(border, f);
+    begin_exchange(backend, halo, windows);
+    for_each_of(inside, f);
+  }
+
   /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
   template <class F>
   TileSums over_tiles(F f) {
+    return over_tiles(static_cast<const typename Grid<Dim, Shape>::template Windows<MassMomentum>*>(nullptr), f);
+  }
+  /// The same for an f that fills windows, unless they are null.
+  template <class Windows, class F>
+  TileSums over_tiles(const Windows* windows, F f) {
     std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
-    backend.for_each(shares, [&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); });
+    const auto with_sums = [&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); };
+    if (windows)
+      fill_windows(*windows, with_sums);
+    else
+      backend.for_each(shares, with_sums);
     return reduce(backend, halo, grid.tiles(), parts);
   }
 
@@ -168,7 +194,7 @@ struct Model {
   /// Nodal sums = what all windows hold, images included.
   template <class Nodes, class Windows>
   void add_windows(Windows& windows, Nodes& nodes) {
-    exchange_windows(backend, halo, windows);
+    finish_exchange(backend, halo, windows);
     backend.for_each(shares,
                      [&](int t, int) { talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t)); });
     walls->fold(backend, nodes.data());
@@ -176,6 +202,12 @@ struct Model {
   template <class Nodes>
   auto window_of(int t, const Nodes& nodes, typename Nodes::Value* window) const {
     fill_window<Dim, Shape>(grid.tile(t), nodes.data(), window);
+  }
+
+ private:
+  template <class F>
+  void for_each_of(const TileLoop& loop, F& f) {
+    backend.for_each(loop.shares, [&](int i, int worker) { f(loop.tiles[std::size_t(i)], worker); });
   }
 };
 

@@ -2,6 +2,7 @@
 /// What can be seen of a run between two steps.
 
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "talus/mpm/inspect.hpp"
@@ -46,12 +47,20 @@ Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken, c
 /// Rows of so many numbers, of which the first is an id: those of all owners in the order of ids, for the first owner.
 class GatheredRows {
  public:
-  GatheredRows(Backend& backend, const Message& mine, std::size_t n_numbers) : all_(backend.gather_at_first(mine)) {
+  GatheredRows(Backend& backend, Message mine, std::size_t n_numbers) {
+    if (backend.n_owners() == 1)
+      all_.push_back(std::move(mine));
+    else
+      all_ = backend.gather_at_first(mine);
+    std::size_t n = 0;
+    for (const Message& of_owner : all_) n += of_owner.size() / n_numbers;
+    rows_.reserve(n);
     for (const Message& of_owner : all_)
       for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += n_numbers)
         rows_.push_back(row);
     std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
   }
+  std::size_t size() const { return rows_.size(); }
   auto begin() const { return rows_.begin(); }
   auto end() const { return rows_.end(); }
 
@@ -60,12 +69,26 @@ class GatheredRows {
   std::vector<const double*> rows_;
 };
 
+/// Of all bodies.
+template <int Dim, class Shape>
+std::size_t n_own_particles(const Model<Dim, Shape>& m) {
+  std::size_t n = 0;
+  for (const auto& body : m.bodies) n += std::size_t(body.particles.size());
+  return n;
+}
+
 template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
   Message mine;
+  mine.reserve(n_own_particles(m) * place_row);
   for (const auto& body : m.bodies) add_places_of_body<Dim>(body, m.domain.axisymmetric, mine);
+  const GatheredRows rows(m.backend, std::move(mine), place_row);
   ParticlePlaces all;
-  for (const double* row : GatheredRows(m.backend, mine, place_row)) {
+  all.places.reserve(rows.size());
+  all.sizes.reserve(rows.size());
+  all.masses.reserve(rows.size());
+  all.ancestors.reserve(rows.size());
+  for (const double* row : rows) {
     all.places.push_back({row[1], row[2], row[3]});
     all.sizes.push_back(row[4]);
     all.masses.push_back(row[5]);
@@ -77,12 +100,13 @@ ParticlePlaces places_of(const Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 FlowPoints flow_of(const Model<Dim, Shape>& m) {
   Message mine;
+  mine.reserve(n_own_particles(m) * flow_row);
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
     const double room = m.most_room[b];
     add_flow_of_body<Dim>(m.bodies[b], room, room / Model<Dim, Shape>::loosest, mine);
   }
   FlowPoints points;
-  for (const double* row : GatheredRows(m.backend, mine, flow_row)) {
+  for (const double* row : GatheredRows(m.backend, std::move(mine), flow_row)) {
     points.places.push_back({row[1], row[2], row[3]});
     points.velocities.push_back({row[4], row[5], row[6]});
     points.volumes.push_back(row[7]);

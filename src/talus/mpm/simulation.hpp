@@ -28,7 +28,7 @@ struct Observation {
   long step = 0;
   std::vector<Field> fields;  ///< `position` [m] first, then velocity, then the quantities of the laws
 
-  int n_particles() const { return int(fields.at(0).values.size()) / 3; }
+  int n_particles() const { return int(fields.at(0).values.size() / 3); }
   const Field* find(std::string_view name) const {
     for (const Field& f : fields)
       if (f.name == name) return &f;

@@ -53,6 +53,12 @@ TEST(Particles, KeepTheirRowsWhenTheyGrowAndNewOnesHoldZeros) {
   EXPECT_EQ(p.mass()[2], 0);
 }
 
+TEST(Particles, AreAtMostAsManyAsARowNumberHolds) {
+  Particles<2> p({2});
+  EXPECT_THROW(p.resize(std::size_t(1) << 31), std::length_error);
+  EXPECT_EQ(p.size(), 0);
+}
+
 TEST(Particles, TheNamesOfFieldsDiffer) {
   std::set<std::string_view> names;
   for (const auto& field : particle_fields) names.insert(field.name);

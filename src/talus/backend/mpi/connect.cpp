@@ -18,6 +18,7 @@
 #include <mutex>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include "talus/backend/mpi/shared_hdf5.hpp"
 #include "talus/backend/mpi/tile_division.hpp"
@@ -164,25 +165,30 @@ class Mpi final : public Transport {
   }
 
   std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {
+    Exchange all = start(std::move(messages), sizes);
+    wait(all.requests);
+    return std::move(all.received);
+  }
+
+  void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {
+    finish_exchange();
+    under_way_ = start(std::move(messages), sizes);
+  }
+  std::vector<Message> finish_exchange() override {
     expect_no_failure();
-    std::vector<Message> received(size());
-    std::vector<MPI_Request> requests;
-    for (int o = 0; o < n_; ++o) {
-      Message& from = received[std::size_t(o)];
-      if (o == own_) {
-        from = std::move(messages[std::size_t(o)]);
-        continue;
-      }
-      from.resize(sizes[std::size_t(o)]);
-      for_each_piece(from,
-                     [&](double* p, int n) { MPI_Irecv(p, n, MPI_DOUBLE, o, 0, messages_, &requests.emplace_back()); });
-    }
-    for (int k = 1; k < n_; ++k) {
-      const int o = (own_ + k) % n_;
-      send(messages[std::size_t(o)], o, requests);
-    }
-    wait(requests);
-    return received;
+    wait(under_way_.requests);
+    return std::exchange(under_way_, {}).received;
+  }
+  bool advance_exchange() override {
+    if (under_way_.requests.empty()) return false;
+    // So seldom that it costs nothing, so often that a message of several pieces keeps moving.
+    const auto now = Clock::now();
+    if (now - advanced_ < std::chrono::microseconds(50)) return true;
+    advanced_ = now;
+    int done = 0;
+    MPI_Testall(int(under_way_.requests.size()), under_way_.requests.data(), &done, MPI_STATUSES_IGNORE);
+    if (done) under_way_.requests.clear();
+    return !done;
   }
 
   std::vector<Message> gather(const Message& message) override {
@@ -259,7 +265,7 @@ class Mpi final : public Transport {
   void finish() override {
     watch_.stop();
     try {
-      expect_no_failure();
+      finish_exchange();
       std::vector<MPI_Request> request(1);
       MPI_Ibarrier(messages_, request.data());
       wait(request);
@@ -272,6 +278,12 @@ class Mpi final : public Transport {
   Traffic traffic() const override { return traffic_; }
 
  private:
+  /// Messages to and from all processes, where they are until MPI is done with them.
+  struct Exchange {
+    std::vector<Message> sent, received;
+    std::vector<MPI_Request> requests;
+  };
+
   std::size_t size() const { return std::size_t(n_); }
 
   void start_watch() {
@@ -296,6 +308,25 @@ class Mpi final : public Transport {
     constexpr std::size_t longest = std::size_t(1) << 27;
     for (std::size_t i = 0; i < numbers.size(); i += longest)
       f(numbers.data() + i, int(std::min(longest, numbers.size() - i)));
+  }
+  Exchange start(std::vector<Message> messages, const std::vector<std::size_t>& sizes) {
+    expect_no_failure();
+    Exchange all{std::move(messages), std::vector<Message>(size()), {}};
+    for (int o = 0; o < n_; ++o) {
+      Message& from = all.received[std::size_t(o)];
+      if (o == own_) {
+        from = std::move(all.sent[std::size_t(o)]);
+        continue;
+      }
+      from.resize(sizes[std::size_t(o)]);
+      for_each_piece(
+          from, [&](double* p, int n) { MPI_Irecv(p, n, MPI_DOUBLE, o, 0, messages_, &all.requests.emplace_back()); });
+    }
+    for (int k = 1; k < n_; ++k) {
+      const int o = (own_ + k) % n_;
+      send(all.sent[std::size_t(o)], o, all.requests);
+    }
+    return all;
   }
   void send(const Message& message, int to, std::vector<MPI_Request>& requests) {
     for_each_piece(message, [&](const double* p, int n) {
@@ -336,9 +367,13 @@ class Mpi final : public Transport {
     throw ReportedElsewhere(failure_);
   }
   void wait(std::vector<MPI_Request>& requests) {
+    const auto start = Clock::now();
+    wait_from(start, requests);
+    traffic_.seconds += std::chrono::duration<double>(Clock::now() - start).count();
+  }
+  void wait_from(Clock::time_point start, std::vector<MPI_Request>& requests) {
     // Where processes share processors, one that asks takes the time of one that works.
     const bool is_crowded = n_here_ > int(std::thread::hardware_concurrency());
-    const auto start = Clock::now();
     const Clock::duration asks = is_crowded ? std::chrono::microseconds(20) : std::chrono::milliseconds(5);
     for (long round = 0;; ++round) {
       int done = 0;
@@ -358,6 +393,8 @@ class Mpi final : public Transport {
   int n_ = 1, own_ = 0, n_here_ = 1;
   MPI_Comm messages_ = MPI_COMM_NULL, failures_ = MPI_COMM_NULL, of_libraries_ = MPI_COMM_NULL;
   std::optional<TileDivision> division_;
+  Exchange under_way_;
+  Clock::time_point advanced_{};  ///< when its messages have last been looked after
   Traffic traffic_;
   bool has_failed_ = false;
   std::string failure_ = "the run has failed";

@@ -3,6 +3,9 @@
 
 #include <array>
 #include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -122,7 +125,14 @@ class Particles {
       : memory_(memory), layout_(Dim, memory), columns_(layout_.n_columns()) {}
 
   int size() const { return columns_.size(); }
-  void resize(int n) { columns_.resize(n); }
+  /// Throws std::length_error if there are more than a row number holds.
+  void resize(std::size_t n) {
+    constexpr int most = std::numeric_limits<int>::max();
+    if (n > std::size_t(most))
+      throw std::length_error("a body has " + std::to_string(n) + " particles in one process, which may have " +
+                              std::to_string(most) + ": start more processes, or divide the body into several");
+    columns_.resize(int(n));
+  }
   const ParticleMemory& memory() const { return memory_; }
   const ParticleLayout& layout() const { return layout_; }
   Columns& columns() { return columns_; }

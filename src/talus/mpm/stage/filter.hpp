@@ -45,7 +45,7 @@ class VelocityFilter {
       add_impulses_of_contacts(m, t);
     });
     m.walls->extend(m.backend, fits_.data());
-    const TileSums particles = m.over_tiles([&](int t, int, TileSums& sums) {
+    const TileSums particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
       sums.add(Sum::wall_impulse, share * gain_of(t));
       if (m.walls->near_wall(t)) add_gain_of_mirrors(m, t, share);
       if (!m.has_particles(t)) return;

@@ -50,7 +50,7 @@ double power_of_loads(Model<Dim, Shape>& m, int t, double time) {
 template <int Dim, class Shape>
 TileSums speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   const Quad gravity = m.gravity_at_nodes();
-  return m.over_tiles([&](int t, int, TileSums& sums) {
+  return m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
     add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     advance_tile<Advance::velocities>(m, t, step);
@@ -64,7 +64,7 @@ template <int Dim, class Shape>
 TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
-  return m.over_tiles([&](int t, int, TileSums& sums) {
+  return m.over_tiles(rearranged ? nullptr : &m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
     if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     sums[Sum::load_power] += power_of_loads(m, t, step.time);

@@ -21,8 +21,8 @@ class ParticleShift {
     volume_ = m.grid.template in_room_of_nodes<double>();
     filling_ = m.grid.template in_room_of_nodes<double>(sizeof(double));
     excess_ = m.grid.template in_room_of_nodes<double>(2 * sizeof(double));
-    m.backend.for_each(m.shares, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
-    exchange_windows(m.backend, m.halo, windows_);
+    m.fill_windows(windows_, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
+    finish_exchange(m.backend, m.halo, windows_);
     m.backend.for_each(m.shares,
                        [&](int t, int) { add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), volume_.of(t)); });
     m.walls->fold(m.backend, volume_.data());

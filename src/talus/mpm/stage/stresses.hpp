@@ -100,7 +100,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
                          rest_speed_of(m),
                          std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) / m.domain.h)};
   const bool stress_first = n.order == Order::usf;
-  return m.over_tiles([&](int t, int worker, TileSums& sums) {
+  return m.over_tiles(stress_first ? &m.grid.force_windows : nullptr, [&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     std::conditional_t<goes_by_lines<Dim, Shape>, NodeRows<Dim, Shape, Dim>, MassVelocity[Layout::n_window]> velocity;
@@ -130,7 +130,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
 /// f_I = -sum V sigma grad N of the stress as it is (musl).
 template <int Dim, class Shape>
 TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
-  return m.over_tiles([&](int t, int worker, TileSums& sums) {
+  return m.over_tiles(&m.grid.force_windows, [&](int t, int worker, TileSums& sums) {
     add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     Vec<3> load{};

@@ -30,7 +30,7 @@ void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
 }
 template <int Dim, class Shape>
 void add_momentum(Model<Dim, Shape>& m) {
-  m.backend.for_each(m.shares, [&](int t, int) { add_momentum_of_tile(m, t); });
+  m.fill_windows(m.grid.momentum_windows, [&](int t, int) { add_momentum_of_tile(m, t); });
 }
 
 /// Mass, momentum and energy of a tile's particles.

@@ -127,7 +127,7 @@ Body<Dim> make_body(const Case& case_, int number, const Overburden& overburden,
         const ParticleMemory memory =
             memory_of(case_.numerics, state_size<Law>, int(loads.size()), !keeps_neighbours(Law{}));
         Body<Dim> body{spec.name, spec.spacing, scaled, Particles<Dim>(memory), {}, loads};
-        body.particles.resize(int(filling.points.size()));
+        body.particles.resize(filling.points.size());
         set_particles(body.particles, law, case_, spec, filling, overburden, first_id);
         if (!body.loads.empty())
           set_loaded_areas(body, case_, part.of == 1 ? filling : fill(case_, spec), filling.first);
