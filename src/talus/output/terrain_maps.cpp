@@ -54,6 +54,7 @@ MapPicture picture_of(const Case& case_) {
   picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
   picture.cell = case_.cell;
   for (const MapOverlay& zone : zone_outlines_of(case_)) picture.zones.push_back({zone.name, zone.lines});
+  for (const MapOverlay& solid : solid_outlines_of(case_)) picture.solids.push_back({solid.name, solid.lines});
   for (const Gauge& gauge : case_.gauges) picture.gauges.push_back({gauge.name, gauge.points});
   if (case_.thalweg) {
     picture.thalweg = case_.thalweg->points;

@@ -227,7 +227,7 @@
       pen.save(); pen.translate(u, v); pen.rotate(angle); text(grouped(l.level), 0, 0, "center", "#3d2f22"); pen.restore();
     }
   }
-  const pens = {release: ["#d01c1c", 2.5, []], zone: ["#1b6e3c", 1.8, [6, 4]], line: ["#00509e", 2.2, []], point: ["#00509e", 2, []]};
+  const pens = {release: ["#d01c1c", 2.5, []], zone: ["#1b6e3c", 1.8, [6, 4]], line: ["#00509e", 2.2, []], point: ["#00509e", 2, []], solid: ["#1a1a1a", 2.2, []]};
   function draw_overlays() {
     for (const {name, kind, lines} of scene.overlays) {
       const [colour, w, dashes] = pens[kind];
@@ -281,7 +281,7 @@
     const limits = choice.classes, last = limits.length - 1, title = `${choice.name} [${choice.unit}]`;
     const first = is_thickness(choice) ? scene.least_thickness : limits[0];
     const css = (k) => `rgb(${colour_of(choice, k).map((c) => Math.round(0.82 * c + 0.18 * 205)).join()})`;
-    const others = [...new Map(scene.overlays.map((o) => [o.kind + o.name, o])).values()].filter((o) => o.kind === "release" || o.kind === "zone");
+    const others = [...new Map(scene.overlays.map((o) => [o.kind + o.name, o])).values()].filter((o) => ["release", "zone", "solid"].includes(o.kind));
     const key = (o, u, v) => { const [c, w, d] = pens[o.kind]; pen.setLineDash(d); pen.strokeStyle = c; pen.lineWidth = w; pen.beginPath(); pen.moveTo(u, v); pen.lineTo(u + 22, v); pen.stroke(); pen.setLineDash([]); };
     pen.fillStyle = "#222"; pen.textBaseline = "middle"; pen.textAlign = "left";
     if (room.w < width) {
