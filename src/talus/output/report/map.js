@@ -239,7 +239,9 @@
         pen.setLineDash(dashes); pen.strokeStyle = colour; pen.lineWidth = w; pen.stroke();
         pen.setLineDash([]);
         pen.font = "bold 12px system-ui, sans-serif";
-        if (kind === "line" || kind === "point") text(name, ...place_of_name(at, pen.measureText(name).width), "left", colour);
+        // Names of solids stand east of them.
+        const named = kind === "solid" ? [at.reduce((p, q) => q[0] > p[0] ? q : p)] : at;
+        if (["line", "point", "solid"].includes(kind) && line === lines[0]) text(name, ...place_of_name(named, pen.measureText(name).width), "left", colour);
       }
     }
   }
@@ -281,7 +283,7 @@
     const limits = choice.classes, last = limits.length - 1, title = `${choice.name} [${choice.unit}]`;
     const first = is_thickness(choice) ? scene.least_thickness : limits[0];
     const css = (k) => `rgb(${colour_of(choice, k).map((c) => Math.round(0.82 * c + 0.18 * 205)).join()})`;
-    const others = [...new Map(scene.overlays.map((o) => [o.kind + o.name, o])).values()].filter((o) => ["release", "zone", "solid"].includes(o.kind));
+    const others = [...new Map(scene.overlays.map((o) => [o.kind + o.name, o])).values()].filter((o) => o.kind === "release" || o.kind === "zone");
     const key = (o, u, v) => { const [c, w, d] = pens[o.kind]; pen.setLineDash(d); pen.strokeStyle = c; pen.lineWidth = w; pen.beginPath(); pen.moveTo(u, v); pen.lineTo(u + 22, v); pen.stroke(); pen.setLineDash([]); };
     pen.fillStyle = "#222"; pen.textBaseline = "middle"; pen.textAlign = "left";
     if (room.w < width) {
