@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 #include <utility>
 
@@ -333,10 +334,12 @@ void note_map(Section& s, const MapOfCase& map, double cell) {
   const Vec<2> edges = heights.far_corner() - heights.corner;
   s.note("origin", fmt::format("({:.2f}, {:.2f}) m", map.frame.origin[0], map.frame.origin[1]),
          "x and y of the run count from here on the map");
+  const auto in_metres = [](double x) {
+    return with_unit(std::strtod(fmt::format("{:.6g}", x).c_str(), nullptr), "m");
+  };
   s.note("size",
-         fmt::format("{} x {}, pixels of {}, heights from {} to {}", with_unit(edges[0], "m"), with_unit(edges[1], "m"),
-                     with_unit(heights.pixel, "m"), with_unit(map.ground->lowest(), "m"),
-                     with_unit(map.ground->highest(), "m")),
+         fmt::format("{} x {}, pixels of {}, heights from {} to {}", in_metres(edges[0]), in_metres(edges[1]),
+                     in_metres(heights.pixel), in_metres(map.ground->lowest()), in_metres(map.ground->highest())),
          "of the terrain");
   s.note("projection", name_of_projection(map.frame.projection), "of the terrain");
   if (map.ground->has_gaps())
