@@ -161,7 +161,7 @@ class MapPage {
     write_gauges();
     write_names();
     add_panel();
-    const std::filesystem::path script = file(".gp");
+    std::filesystem::path script = file(".gp");
     std::string plots;
     for (const std::string& plot : plots_) plots += (plots.empty() ? "plot " : ", \\\n     ") + plot;
     write_whole(script, head() + script_ + plots + "\n");
