@@ -197,6 +197,19 @@ TEST_F(AsciiRaster, PixelsMustBeSquare) {
   EXPECT_SAYS(read(with(plain(), "cellsize 5", "dx 5\ndy 6")), "gdalwarp -tr 5 5");
 }
 
+TEST_F(AsciiRaster, TheEdgeOfAPixelIsStatedOnce) {
+  expect_plain(read(with(plain(), "cellsize 5", "dx 5\ndy 5")));
+  expect_plain(read(with(plain(), "cellsize 5", "dx 5\ndy 5\ncellsize 5.0")));
+  EXPECT_SAYS(read(with(plain(), "cellsize 5", "dx 5\ndy 5\ncellsize 10")),
+              "a.asc:7: `cellsize` is 10, but `dx` and `dy` are 5; keep the one that is right");
+  EXPECT_SAYS(read(with(plain(), "cellsize 5", "cellsize 10\ndx 5\ndy 5")), "a.asc:5: `cellsize` is 10, but");
+  // One edge alone, whatever else the header states.
+  EXPECT_SAYS(read(with(plain(), "cellsize 5", "dx 5")),
+              "a.asc:5: `dx` needs `dy`, the other edge of a pixel; write both, or `cellsize` alone");
+  EXPECT_SAYS(read(with(plain(), "cellsize 5", "cellsize 5\ndx 5")), "a.asc:6: `dx` needs `dy`");
+  EXPECT_SAYS(read(with(plain(), "cellsize 5", "cellsize 5\nDY 4")), "a.asc:6: `dy` needs `dx`");
+}
+
 TEST_F(AsciiRaster, LargeOnesAreRefusedBeforeTheyAreRead) {
   EXPECT_SAYS(read(with(plain(), "ncols 3", "ncols 3000000000")), "gdal_translate -projwin");
   const std::string file = write("b.asc", plain());

@@ -584,12 +584,41 @@ TEST_F(TerrainCase, CroppedByPolygonsEndsWithTheirBoxAndKnowsNothingBesideThem) 
 }
 
 TEST_F(TerrainCase, RefusesAReleaseBesideThePolygonsOfTheCrop) {
+  const std::string crop = R"(crop = { polygons = "area.geojson" })";
   write_polygons("area.geojson", {{square(0, 0, 35, 80)}});
-  expect_refused(text_of(drawn, R"(crop = { polygons = "area.geojson" })"), "[body.slide.release]",
-                 "lies outside the terrain at");
+  expect_refused(
+      text_of(drawn, crop), "[body.slide.release]",
+      "lies outside the crop at (600036, 5200021); `terrain.crop.polygons` reaches from (600000, 5200000) to "
+      "(600035, 5200080); move the release, or enlarge the crop");
   write_polygons("area.geojson", {{ring({{0, 0}, {35, 0}, {35, 80}, {0, 80}})}, {square(60, 0, 100, 80)}});
-  expect_refused(text_of(drawn, R"(crop = { polygons = "area.geojson" })"), "[body.slide.release]",
-                 "lies where the terrain has no data, at");
+  expect_refused(
+      text_of(drawn, crop), "[body.slide.release]",
+      "lies outside the crop at (600036, 5200021); `terrain.crop.polygons` cover half of this pixel or less; "
+      "move the release, or enlarge the crop");
+  // A hole is told from what lies beside all areas; what the raster does not know inside them is neither.
+  write_polygons("area.geojson", {{square(0, 0, 100, 80) + ", " + ring({{30, 30}, {30, 60}, {50, 60}, {50, 30}})}});
+  expect_refused(
+      text_of(drawn, crop), "[body.slide.release]",
+      "lies outside the crop at (600031, 5200031), in a hole of `terrain.crop.polygons`; move the release, or "
+      "change the crop");
+  write_raster("dem.asc", [](double x, double y) { return x < 25 && y < 25 ? -9999 : ground(x, y); });
+  expect_refused(text_of(drawn, crop), "[body.slide.release]",
+                 "lies where the terrain has no data, at (600021, 5200021)");
+}
+
+TEST_F(TerrainCase, RefusesAReleaseBesideTheBoxOfTheCrop) {
+  const std::string crop = R"(crop = { min = ["600000 m", "5200000 m"], max = ["600030 m", "5200080 m"] })";
+  expect_refused(
+      text_of(drawn, crop), "[body.slide.release]",
+      "lies outside the crop at (600031, 5200021); `terrain.crop` reaches from (600000, 5200000) to (600030, "
+      "5200080); move the release, or enlarge the crop");
+  // Beside the whole raster it lies outside the terrain, which no crop changes.
+  write_polygons("release.geojson", {{square(90, 20, 120, 50)}});
+  expect_refused(
+      text_of(drawn, R"(crop = { min = ["600050 m", "5200000 m"], max = ["600100 m", "5200080 m"] })"),
+      "[body.slide.release]",
+      "lies outside the terrain at (600101, 5200021); the terrain reaches from (600000, 5200000) to (600100, "
+      "5200080)");
 }
 
 TEST_F(TerrainCase, RefusesACropThatIsWrong) {

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <map>
 #include <sstream>
+#include <tuple>
 
 #include "folder_of_its_own.hpp"
 #include "talus/base/file.hpp"
@@ -127,6 +128,37 @@ TEST_F(MapPictures, ShowZonesTheThalwegAndGaugesWithTheirNames) {
   EXPECT_EQ(east.size(), 3u);
 }
 
+TEST_F(MapPictures, ShowSolidsWithTheirNamesBesideThem) {
+  const Terrain ground = ridge();
+  MapPicture picture;
+  picture.ground = &ground;
+  picture.frame.origin = {1000, 2000};
+  const auto square = [](Vec<2> low, double edge) {
+    return PlanLine{low, {low[0] + edge, low[1]}, low + Vec<2>{edge, edge}, {low[0], low[1] + edge}, low};
+  };
+  picture.solids = {{"dam", {square({200, 100}, 20)}}, {"pier", {square({300, 200}, 10)}}};
+  picture.gauges = {{"house", {{260, 110}}}};
+  EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
+  const std::string script = contents_of(write_map_script(folder_, "a", picture));
+  EXPECT_NE(script.find("'Solid'"), std::string::npos);
+  EXPECT_NE(script.find("'a_solids.txt' with lines"), std::string::npos);
+  EXPECT_NE(contents_of(folder_ / "a_solids.txt").find("\n1200 2100\n1220 2100\n1220 2120\n"), std::string::npos);
+  std::istringstream names(contents_of(folder_ / "a_solid_names.txt"));
+  std::string line, name;
+  std::getline(names, line);
+  double x = 0, y = 0;
+  std::map<std::string, Vec<2>> places;
+  while (names >> x >> y >> name) places[name] = {x, y};
+  EXPECT_EQ(places.size(), 2u);
+  for (const auto& [of, low, edge] :
+       {std::tuple("\"dam\"", Vec<2>{1200, 2100}, 20.0), {"\"pier\"", {1300, 2200}, 10}}) {
+    const Vec<2> at = places[of] - low;  // outside, and no farther than it is long
+    EXPECT_FALSE(at[0] > 0 && at[0] < edge && at[1] > 0 && at[1] < edge) << of;
+    EXPECT_LT(length(at), 40) << of;
+  }
+  EXPECT_EQ(contents_of(folder_ / "a_gauges.txt").find("dam"), std::string::npos);
+}
+
 TEST_F(MapPictures, NameNothingThatTheyDoNotShow) {
   const Terrain ground = ridge();
   MapPicture picture;
@@ -135,9 +167,10 @@ TEST_F(MapPictures, NameNothingThatTheyDoNotShow) {
   picture.gauges = {{"house", {{260, 150}}}, {"mouth", {{200, 120}, {200, 180}}}};
   picture.thalweg = {{300, 20}, {300, 150}};
   picture.zones = {{"Zone wood", {{{200, 200}, {220, 200}, {220, 280}, {200, 200}}}}};
+  picture.solids = {{"dam", {{{300, 200}, {320, 200}, {320, 280}, {300, 200}}}}};
   EXPECT_EQ(draw_map(folder_ / "a.png", picture), has_gnuplot());
   const std::string script = contents_of(write_map_script(folder_, "a", picture));
-  for (const char* words : {"Thalweg", "Gauge,", "house", "wood"})
+  for (const char* words : {"Thalweg", "Gauge,", "house", "wood", "Solid", "dam"})
     EXPECT_EQ(script.find(words), std::string::npos) << words;
 }
 

@@ -96,6 +96,15 @@ TEST(Notices, OutflowIsToldWithItsPlaces) {
       notice_of_outflow(run),
       "10 kg, 25 % of the mass, have left the domain: 100 % over the east side (x_max), around (600, 200), along 20 "
       "m of it. Runout and deposit are those of the material in the domain.");
+  // Places through which single particles left are counted, and not named.
+  run.outflow[0].share = 0.99992;
+  run.outflow.push_back({"y_max", "north side (y_max)", 8e-4, 8e-5, {600, 400}, {590, 400}, {610, 400}});
+  EXPECT_NE(notice_of_outflow(run).find("along 20 m of it; and 1 further place, less than 0.01 % each. Runout"),
+            std::string::npos)
+      << notice_of_outflow(run);
+  run.outflow.insert(run.outflow.begin(), 4, run.outflow[0]);
+  EXPECT_NE(notice_of_outflow(run).find("along 20 m of it; and 2 further places. Runout"), std::string::npos)
+      << notice_of_outflow(run);
 }
 
 TEST(Warnings, AMaterialThatStillMovesIsTold) {

@@ -77,9 +77,27 @@ TEST_F(TerrainMapsOfASlope, TellHowFarAndHowDeepTheFlowWent) {
   EXPECT_NEAR(r.thickness, 2 / std::hypot(1, 0.5), 0.02);
   // Two squares of 20 m x 20 m, 20 m apart. From the middle of the pixel at x = 12.5 m to that at 67.5 m, 15 m beside it.
   EXPECT_NEAR(r.area, 800, 1e-9);
-  EXPECT_NEAR(r.length, std::hypot(55, 15), 1e-9);
-  EXPECT_NEAR(r.drop, 27.5, 1e-9);
-  EXPECT_NEAR(r.farthest[0], 500067.5, 1e-9);
+  EXPECT_NEAR(r.reach.length, std::hypot(55, 15), 1e-9);
+  EXPECT_NEAR(r.reach.drop, 27.5, 1e-9);
+  EXPECT_NEAR(r.reach.farthest[0], 500067.5, 1e-9);
+}
+
+TEST_F(TerrainMapsOfASlope, TellHowFarTheConnectedFlowWent) {
+  // The slab of 20 m x 20 m moves by 10 m, and four of its particles by 70 m.
+  TerrainMaps maps(folder_ / "maps", slope_, "text");
+  maps.add(0, moved(slope_, 0, 0));
+  maps.add(0.1, moved(slope_, 10, 12));
+  FlowPoints some = moved(slope_, 10, 12);
+  for (const std::size_t i : {0, 1, 8, 9}) some.places[i] = some.places[i] + Vec<3>{60, 0, -30};
+  maps.add(0.2, some);
+  const Runout r = maps.write(0.2, some).runout;
+  EXPECT_GT(r.reach.farthest[0], 500075);
+  EXPECT_GT(r.area, r.connected_area);
+  // 30 m x 20 m; from the middle of the pixel at x = 12.5 m to that at 37.5 m, 15 m beside it.
+  EXPECT_NEAR(r.connected_area, 600, 1e-9);
+  EXPECT_NEAR(r.connected.length, std::hypot(25, 15), 1e-9);
+  EXPECT_NEAR(r.connected.drop, 12.5, 1e-9);
+  EXPECT_NEAR(r.connected.angle(), std::atan(12.5 / std::hypot(25, 15)), 1e-12);
 }
 
 TEST_F(TerrainMapsOfASlope, FilesAreNamedAsAimecReadsThem) {

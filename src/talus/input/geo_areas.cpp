@@ -83,6 +83,13 @@ class EastOfEdges {
 
 }  // namespace
 
+GeoPolygon without_holes(const GeoPolygon& polygon) {
+  GeoPolygon outlines{{}, polygon.value};
+  for (const std::vector<Vec<2>>& ring : polygon.rings)
+    if (signed_area({{ring}}) > 0) outlines.rings.push_back(ring);
+  return outlines;
+}
+
 double area(const GeoPolygon& polygon) { return std::abs(signed_area(polygon)); }
 
 bool contains(const GeoPolygon& polygon, Vec<2> place) {

@@ -14,6 +14,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "talus/base/text.hpp"
 #include "talus/input/geodata.hpp"
@@ -87,7 +88,7 @@ class Header {
     if (!known) return true;
     const std::optional<double> value = number_of(text);
     if (!value) fail(fmt::format(":{}: `{}` needs a number, not \"{}\"", number, printable(word), printable(text)));
-    if (!values_.emplace(key == "nodatavalue" ? "nodata" : key, *value).second)
+    if (!values_.emplace(key == "nodatavalue" ? "nodata" : key, Entry{*value, number}).second)
       fail(fmt::format(":{}: `{}` stands twice in the header", number, printable(word)));
     return true;
   }
@@ -108,11 +109,17 @@ class Header {
     return raster;
   }
   /// The no-data value. -9999 is the format's default.
-  double no_data() const { return values_.count("nodata") ? values_.at("nodata") : -9999; }
+  double no_data() const { return values_.count("nodata") ? values_.at("nodata").value : -9999; }
 
  private:
   static constexpr std::string_view keys[] = {"ncols",    "nrows", "xllcorner", "xllcenter", "yllcorner",  "yllcenter",
                                               "cellsize", "dx",    "dy",        "nodata",    "nodatavalue"};
+
+  /// What a line of the header states.
+  struct Entry {
+    double value;
+    int line;
+  };
 
   [[noreturn]] void fail(const std::string& text) const { throw std::runtime_error(path_ + text); }
 
@@ -123,8 +130,8 @@ class Header {
           " has no `{}` in its header; an ESRI ASCII raster begins with ncols, nrows, xllcorner, yllcorner, "
           "cellsize and NODATA_value",
           key));
-    if (!std::isfinite(found->second)) fail(fmt::format(": `{}` in the header must be finite", key));
-    return found->second;
+    if (!std::isfinite(found->second.value)) fail(fmt::format(": `{}` in the header must be finite", key));
+    return found->second.value;
   }
   double count(const std::string& key) const {
     const double n = need(key);
@@ -132,15 +139,24 @@ class Header {
       fail(fmt::format(": `{}` in the header is {}, and must be a whole number greater than 0", key, n));
     return n;
   }
+  /// The edge of a pixel: `cellsize`, or `dx` and `dy` as other programs write it.
   double cell_size() const {
-    const bool sides = values_.count("dx") && values_.count("dy");
+    for (const auto& [one, other] : {std::pair("dx", "dy"), std::pair("dy", "dx")})
+      if (values_.count(one) && !values_.count(other))
+        fail(fmt::format(":{}: `{}` needs `{}`, the other edge of a pixel; write both, or `cellsize` alone",
+                         values_.at(one).line, one, other));
+    const bool sides = values_.count("dx") > 0;
     const double edge = need(sides ? "dx" : "cellsize");
-    if (sides && std::abs(need("dy") - edge) > 1e-9 * std::abs(edge))
+    if (sides && !is_same_edge(need("dy"), edge))
       fail(fmt::format(" has pixels of {} m x {} m, which are not square; resample it: gdalwarp -tr {} {} IN OUT", edge,
                        need("dy"), edge, edge));
+    if (sides && values_.count("cellsize") && !is_same_edge(need("cellsize"), edge))
+      fail(fmt::format(":{}: `cellsize` is {}, but `dx` and `dy` are {}; keep the one that is right",
+                       values_.at("cellsize").line, need("cellsize"), edge));
     if (!(edge > 0)) fail(fmt::format(": the cell size in the header is {}, and must be greater than 0", edge));
     return edge;
   }
+  static bool is_same_edge(double a, double b) { return std::abs(a - b) <= 1e-9 * std::abs(b); }
   double lower_left(const std::string& axis, double pixel) const {
     const bool middle = values_.count(axis + "center") > 0;
     if (middle && values_.count(axis + "corner"))
@@ -149,7 +165,7 @@ class Header {
   }
 
   std::string path_;
-  std::map<std::string, double> values_;
+  std::map<std::string, Entry> values_;
 };
 
 /// How many values the lines of a file hold. A row may stand on several lines, and all rows on one; but even lines that

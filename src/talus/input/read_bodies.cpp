@@ -63,10 +63,11 @@ void read_listed(Section& s, const Case& case_, const std::string& folder, BodyS
 }
 
 /// A layer on the terrain.
-void read_released(Section& s, Case& case_, const std::string& folder, BodySpec& body) {
+void read_released(Section& s, Case& case_, const std::string& folder, const std::optional<TerrainCrop>& crop,
+                   BodySpec& body) {
   body.spacing = s.number(keys::spacing);
   Section release = s.section(keys::release);
-  body.region = read_release(release, case_, folder, body.spacing);
+  body.region = read_release(release, case_, folder, body.spacing, crop);
   if (s.has("lattice")) s.complain("lattice", "has no meaning for a release, whose particles follow the ground");
 }
 
@@ -113,14 +114,14 @@ void read_initial_stress(Section& s, const Case& case_, BodySpec& body) {
   t.close();
 }
 
-BodySpec read_body(Section& s, Case& case_, const std::string& folder) {
+BodySpec read_body(Section& s, Case& case_, const std::string& folder, const std::optional<TerrainCrop>& crop) {
   BodySpec body;
   body.material = read_material_of(s, case_);
   s.expect_one_of();
   if (s.has("points"))
     read_listed(s, case_, folder, body);
   else if (s.has("release"))
-    read_released(s, case_, folder, body);
+    read_released(s, case_, folder, crop, body);
   else
     read_filled(s, case_, folder, body);
   read_velocity(s, case_, body);
@@ -160,9 +161,9 @@ const Declaration& body_declaration() {
   return d;
 }
 
-void read_bodies(Section& root, Case& case_, const std::string& folder) {
+void read_bodies(Section& root, Case& case_, const std::string& folder, const std::optional<TerrainCrop>& crop) {
   for (auto& [name, s] : root.named_sections(keys::bodies)) {
-    case_.bodies.push_back(read_body(s, case_, folder));
+    case_.bodies.push_back(read_body(s, case_, folder, crop));
     case_.bodies.back().name = name;
   }
 }

@@ -33,8 +33,8 @@ Case understand_case(Document& document, const std::string& folder) {
   Section numerics = root.optional_section(keys::numerics);
   read_materials(root, numerics.is_text(keys::preset.key, "paper") ? Preset::paper : Preset::standard, case_);
   read_domain(root, case_);
-  read_terrain(root, case_, folder);
-  read_bodies(root, case_, folder);
+  const std::optional<TerrainCrop> crop = read_terrain(root, case_, folder);
+  read_bodies(root, case_, folder, crop);
   read_loads(root, case_);
   read_solids(root, case_, folder);
   read_numerics(numerics, case_);

@@ -348,9 +348,37 @@ std::string fault_of_base(const PlanRaster& t, const Terrain& base, const MapOfC
                      with_unit(buried(at), "m"), on_map(at, map.frame));
 }
 
+/// Why a release may not lie at a place where the ground is unknown.
+std::string fault_of_place(const Vec<2>& at, const MapOfCase& map, const std::optional<TerrainCrop>& crop) {
+  const PlanRaster& heights = map.ground->heights();
+  const int column = heights.column_of(at[0]), row = heights.row_of(at[1]);
+  const bool is_on_pixel = heights.has_pixel(column, row);
+  const Vec<2> low = crop ? crop->low : heights.corner, high = crop ? crop->high : heights.far_corner();
+  if (at[0] < low[0] || at[1] < low[1] || at[0] > high[0] || at[1] > high[1])
+    return fmt::format("lies outside the terrain at {}; the terrain reaches from {} to {}", on_map(at, map.frame),
+                       on_map(low, map.frame), on_map(high, map.frame));
+  if (!is_on_pixel)
+    return fmt::format("lies outside the crop at {}; `{}` reaches from {} to {}; move the release, or enlarge the crop",
+                       on_map(at, map.frame), crop->key, on_map(heights.corner, map.frame),
+                       on_map(heights.far_corner(), map.frame));
+  const TerrainCrop::Pixel part =
+      crop && !crop->pixels.empty() ? crop->pixels[heights.index(column, row)] : TerrainCrop::kept;
+  if (part == TerrainCrop::in_hole)
+    return fmt::format("lies outside the crop at {}, in a hole of `{}`; move the release, or change the crop",
+                       on_map(at, map.frame), crop->key);
+  if (part == TerrainCrop::beside)
+    return fmt::format(
+        "lies outside the crop at {}; `{}` cover half of this pixel or less; move the release, or enlarge the crop",
+        on_map(at, map.frame), crop->key);
+  return fmt::format(
+      "lies where the terrain has no data, at {}; move its outline, or fill the raster: gdal_fillnodata.py IN OUT",
+      on_map(at, map.frame));
+}
+
 /// Why a release is refused; empty if it is right.
-std::string fault_of(const Layer& layer, const Terrain& base, const MapOfCase& map) {
-  const PlanRaster &t = layer.thickness, &heights = map.ground->heights();
+std::string fault_of(const Layer& layer, const Terrain& base, const MapOfCase& map,
+                     const std::optional<TerrainCrop>& crop) {
+  const PlanRaster& t = layer.thickness;
   if (!find_pixel(t, [&](int column, int row) { return t.at(column, row) > 0; }))
     return "has no volume: its thickness is 0 everywhere";
   constexpr double drawn_side_by_side = 1.01;  // along a border drawn twice, slivers overlap
@@ -364,13 +392,7 @@ std::string fault_of(const Layer& layer, const Terrain& base, const MapOfCase& m
     return t.at(column, row) > 0 && !map.ground->is_known(at[0], at[1]);
   });
   if (!beside) return fault_of_base(t, base, map);
-  const Vec<2> at = t.middle((*beside)[0], (*beside)[1]);
-  if (heights.has_pixel(heights.column_of(at[0]), heights.row_of(at[1])))
-    return fmt::format(
-        "lies where the terrain has no data, at {}; move its outline, or fill the raster: gdal_fillnodata.py IN OUT",
-        on_map(at, map.frame));
-  return fmt::format("lies outside the terrain at {}; the terrain reaches from {} to {}", on_map(at, map.frame),
-                     on_map(heights.corner, map.frame), on_map(heights.far_corner(), map.frame));
+  return fault_of_place(t.middle((*beside)[0], (*beside)[1]), map, crop);
 }
 
 /// The first place where two layers fill the same space, in the middle of a pixel whose neighbours they share, too: pixels
@@ -453,7 +475,8 @@ const Declaration& release_declaration() {
   return d;
 }
 
-Region read_release(Section& s, Case& case_, const std::string& folder, double spacing) {
+Region read_release(Section& s, Case& case_, const std::string& folder, double spacing,
+                    const std::optional<TerrainCrop>& crop) {
   const Box none{case_.domain.min, case_.domain.min};  // that nobody complains about
   if (!case_.map) {
     if (s.is_right()) s.complain("lies on a [terrain], and there is none; name the raster of its heights there");
@@ -469,7 +492,7 @@ Region read_release(Section& s, Case& case_, const std::string& folder, double s
     return none;
   }
   Layer upright = upright_layer(release, *release.base, pixels);
-  if (const std::string fault = fault_of(upright, *release.base, *case_.map); !fault.empty()) {
+  if (const std::string fault = fault_of(upright, *release.base, *case_.map, crop); !fault.empty()) {
     s.complain(fault);
     return none;
   }

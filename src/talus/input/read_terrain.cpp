@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <set>
 #include <utility>
 
@@ -65,9 +66,20 @@ std::string read_stated_projection(Section& s, const std::string& folder) {
 
 /// The ground as it was read.
 struct GroundRead {
-  PlanRaster heights;          ///< in the coordinates of the run
-  std::vector<char> left_out;  ///< pixels that count as without a height; none if empty
+  PlanRaster heights;  ///< in the coordinates of the run
+  std::optional<TerrainCrop> crop{};
+
+  /// Pixels that count as without a height; empty if there are none.
+  std::vector<char> left_out() const {
+    std::vector<char> is_out;
+    if (crop)
+      for (const TerrainCrop::Pixel pixel : crop->pixels) is_out.push_back(pixel != TerrainCrop::kept);
+    return is_out;
+  }
 };
+
+/// A crop of a raster, to which all pixels belong.
+TerrainCrop crop_of(const char* key, const PlanRaster& whole) { return {key, whole.corner, whole.far_corner(), {}}; }
 
 /// The smallest rectangle around polygons.
 std::pair<Vec<2>, Vec<2>> rectangle_of(const GeoPolygons& outlines) {
@@ -79,20 +91,33 @@ std::pair<Vec<2>, Vec<2>> rectangle_of(const GeoPolygons& outlines) {
   return {low, high};
 }
 
+/// Share of every pixel that polygons cover.
+std::vector<double> shares_of(const std::vector<GeoPolygon>& polygons, const PlanRaster& pixels) {
+  std::vector<double> share(pixels.values.size(), 0.0);
+  for (const GeoPolygon& polygon : polygons) {
+    const PlanRaster covered = coverage(polygon, pixels);
+    for (std::size_t i = 0; i < share.size(); ++i) share[i] += covered.values[i];
+  }
+  return share;
+}
+
 /// Cuts out what polygons are around, and marks pixels of which they cover half or less.
 void crop_to(Section& s, Section& part, const GeoPolygons& outlines, GroundRead& ground) {
   complain_where_it_throws(s, "crop", [&] {
     const auto [low, high] = rectangle_of(outlines);
+    ground.crop = crop_of("terrain.crop.polygons", ground.heights);
     ground.heights = cropped(ground.heights, low, high);
-    std::vector<double> share(ground.heights.values.size(), 0.0);
-    for (const GeoPolygon& polygon : outlines.polygons) {
-      const PlanRaster covered = coverage(polygon, ground.heights);
-      for (std::size_t i = 0; i < share.size(); ++i) share[i] += covered.values[i];
-    }
+    std::vector<GeoPolygon> filled;
+    for (const GeoPolygon& polygon : outlines.polygons) filled.push_back(without_holes(polygon));
+    const std::vector<double> share = shares_of(outlines.polygons, ground.heights),
+                              share_with_holes = shares_of(filled, ground.heights);
     bool any = false;
     for (std::size_t i = 0; i < share.size(); ++i) {
-      ground.left_out.push_back(!(share[i] > 0.5));
-      any |= share[i] > 0.5 && !std::isnan(ground.heights.values[i]);
+      const bool is_kept = share[i] > 0.5;
+      ground.crop->pixels.push_back(is_kept                     ? TerrainCrop::kept
+                                    : share_with_holes[i] > 0.5 ? TerrainCrop::in_hole
+                                                                : TerrainCrop::beside);
+      any |= is_kept && !std::isnan(ground.heights.values[i]);
     }
     if (!any) part.complain("polygons", "cover no pixel of the terrain with a height by more than half");
   });
@@ -115,6 +140,7 @@ void crop_ground(Section& s, const std::string& folder, MapOfCase& map, std::opt
   if (!s.is_right() || !ground) return;
   if (!(low[0] < high[0] && low[1] < high[1])) return part.complain("max", "must lie north and east of `min`");
   complain_where_it_throws(s, "crop", [&] {
+    ground->crop = crop_of("terrain.crop", ground->heights);
     ground->heights = cropped(ground->heights, {low[0], low[1]}, {high[0], high[1]});
   });
 }
@@ -139,7 +165,7 @@ std::optional<GroundRead> read_raster_of_heights(Section& s, const std::string& 
     expect_true_lengths(map.frame.projection, 0.5 * (read.raster.corner + read.raster.far_corner()),
                         path_in(folder, file));
     map.geotiff = read.format == "GeoTIFF";
-    ground = GroundRead{std::move(read.raster), {}};
+    ground = GroundRead{std::move(read.raster)};
   });
   return ground;
 }
@@ -185,7 +211,7 @@ std::optional<GroundRead> read_surface_of_triangles(Section& s, const std::strin
   if (file.empty() || !s.has("unit") || !(pixel > 0)) return ground;
   complain_where_it_throws(s, "surface", [&] {
     const TriangleMesh surface(read_stl(path_in(folder, file), metres));
-    ground = GroundRead{heights_from_above(s, surface, pixel, file), {}};
+    ground = GroundRead{heights_from_above(s, surface, pixel, file)};
   });
   return ground;
 }
@@ -210,6 +236,8 @@ std::optional<GroundRead> read_ground(Section& s, const std::string& folder, dou
   if (is_raster) {  // a surface keeps its coordinates, which are few digits long and those of other parts, too
     map.frame.origin = heights.corner;
     make_relative(ground->heights, map.frame.origin);
+    if (ground->crop)
+      for (Vec<2>* corner : {&ground->crop->low, &ground->crop->high}) *corner = *corner - map.frame.origin;
   }
   return ground;
 }
@@ -306,10 +334,12 @@ void note_map(Section& s, const MapOfCase& map, double cell) {
   const Vec<2> edges = heights.far_corner() - heights.corner;
   s.note("origin", fmt::format("({:.2f}, {:.2f}) m", map.frame.origin[0], map.frame.origin[1]),
          "x and y of the run count from here on the map");
+  const auto in_metres = [](double x) {
+    return with_unit(std::strtod(fmt::format("{:.6g}", x).c_str(), nullptr), "m");
+  };
   s.note("size",
-         fmt::format("{} x {}, pixels of {}, heights from {} to {}", with_unit(edges[0], "m"), with_unit(edges[1], "m"),
-                     with_unit(heights.pixel, "m"), with_unit(map.ground->lowest(), "m"),
-                     with_unit(map.ground->highest(), "m")),
+         fmt::format("{} x {}, pixels of {}, heights from {} to {}", in_metres(edges[0]), in_metres(edges[1]),
+                     in_metres(heights.pixel), in_metres(map.ground->lowest()), in_metres(map.ground->highest())),
          "of the terrain");
   s.note("projection", name_of_projection(map.frame.projection), "of the terrain");
   if (map.ground->has_gaps())
@@ -333,15 +363,15 @@ const Declaration& terrain_declaration() {
   return d;
 }
 
-void read_terrain(Section& root, Case& case_, const std::string& folder) {
-  if (!root.has("terrain")) return;
+std::optional<TerrainCrop> read_terrain(Section& root, Case& case_, const std::string& folder) {
+  if (!root.has("terrain")) return {};
   Section s = root.section(keys::terrain);
   if (case_.dim != 3) s.complain("needs [domain] kind = \"3d\"");
   try {
     expect_map_reader();
   } catch (const std::runtime_error& e) {
     s.complain(e.what());
-    return;
+    return {};
   }
   MapOfCase map;
   std::optional<GroundRead> read = read_ground(s, folder, case_.cell, map);
@@ -349,21 +379,24 @@ void read_terrain(Section& root, Case& case_, const std::string& folder) {
   Solid ground{"terrain", {}, read_surface(s, key_of_ground(), case_)};
   ground.zones = read_zones(s, folder, read ? &read->heights : nullptr, map, case_);
   s.close();
-  if (!read || case_.dim != 3) return;
+  if (!read || case_.dim != 3) return {};
   const Vec<2> edges = read->heights.far_corner() - read->heights.corner;
-  if (std::min(edges[0], edges[1]) < case_.cell)
-    return s.complain(s.has("surface") ? "surface" : "raster",
-                      fmt::format("is {:.3g} m x {:.3g} m large, less than a cell ({}){}", edges[0], edges[1],
-                                  with_unit(case_.cell, "m"),
-                                  s.has("surface")               ? "; is `unit` right?"
-                                  : map.frame.projection.empty() ? "; are its coordinates in degrees?"
-                                                                 : ""));
-  map.ground = std::make_shared<const Terrain>(std::move(read->heights), case_.cell, read->left_out);
+  if (std::min(edges[0], edges[1]) < case_.cell) {
+    s.complain(s.has("surface") ? "surface" : "raster",
+               fmt::format("is {:.3g} m x {:.3g} m large, less than a cell ({}){}", edges[0], edges[1],
+                           with_unit(case_.cell, "m"),
+                           s.has("surface")               ? "; is `unit` right?"
+                           : map.frame.projection.empty() ? "; are its coordinates in degrees?"
+                                                          : ""));
+    return {};
+  }
+  map.ground = std::make_shared<const Terrain>(std::move(read->heights), case_.cell, read->left_out());
   if (case_.cell > 0) case_.domain = domain_over(*map.ground, case_.cell);
   note_map(s, map, case_.cell);
   ground.shape = Ground{map.ground};
   case_.solids.push_back(std::move(ground));
   case_.map = std::move(map);
+  return std::move(read->crop);
 }
 
 }  // namespace talus

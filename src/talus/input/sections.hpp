@@ -2,6 +2,7 @@
 /// The readers of the sections of a case, and of what several of them hold.
 
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,9 +34,19 @@ const Declaration& thalweg_declaration();
 /// `folder` is where files are looked for that a section names.
 void read_materials(Section& root, Preset preset, Case& case_);
 void read_domain(Section& root, Case& case_);
-/// After the domain, which a terrain says the size of.
-void read_terrain(Section& root, Case& case_, const std::string& folder);
-void read_bodies(Section& root, Case& case_, const std::string& folder);
+
+/// What a case cuts out of the raster of its terrain.
+struct TerrainCrop {
+  enum Pixel : char { kept, beside, in_hole };
+
+  std::string key;            ///< that states it: "terrain.crop.polygons"
+  Vec<2> low{}, high{};       ///< corners of the whole raster, in coordinates of the run [m]
+  std::vector<Pixel> pixels;  ///< of the terrain; empty if it has no others than those that are kept
+};
+/// After the domain, whose size the terrain states. Returns its crop, if there is one.
+std::optional<TerrainCrop> read_terrain(Section& root, Case& case_, const std::string& folder);
+void read_bodies(Section& root, Case& case_, const std::string& folder, const std::optional<TerrainCrop>& crop);
+
 void read_loads(Section& root, Case& case_);
 void read_solids(Section& root, Case& case_, const std::string& folder);
 void read_numerics(Section& numerics, Case& case_);
@@ -108,7 +119,8 @@ Region read_image(Section& s, const std::string& folder);
 Region read_points(Section& s, int dim, const std::string& folder, std::optional<double> spacing);
 
 /// A layer on the terrain of the case, filled with particles that stand `spacing` apart.
-Region read_release(Section& s, Case& case_, const std::string& folder, double spacing);
+Region read_release(Section& s, Case& case_, const std::string& folder, double spacing,
+                    const std::optional<TerrainCrop>& crop);
 
 PrescribedMotion read_motion(Section& s, int dim, const std::string& folder);
 

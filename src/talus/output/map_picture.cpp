@@ -137,8 +137,7 @@ class MapPage {
     map_width_ = std::max(200, int(std::lround(scale_ * dx)));
     map_height_ = std::max(120, int(std::lround(scale_ * dy)));
     width_ = left_ + map_width_ + gap + panel_width + right;
-    height_ = top + std::max(map_height_, picture.layer ? least_height_with_layer : least_height) + bottom;
-    map_top_ = height_ - top;
+    set_height(0);
     if (width_ < least_width) {  // a narrow map stands in the middle of what is left of the legend
       left_ += (least_width - width_) / 2;
       width_ = least_width;
@@ -147,28 +146,33 @@ class MapPage {
 
   /// Returns the script.
   std::filesystem::path write() {
-    write_shade();
-    add_head();
-    add_axes();
     if (picture_.layer) write_layer();
-    add_plot(shade_plot_);
+    write_shade();
+    mark_lines();
     place_names();
     write_contours();
+    set_height(panel_height());
+    add_title();
+    add_axes();
     write_zones();
     write_outlines();
+    write_solids();
     write_thalweg();
     write_gauges();
+    write_names();
     add_panel();
-    const std::filesystem::path script = file(".gp");
+    std::filesystem::path script = file(".gp");
     std::string plots;
     for (const std::string& plot : plots_) plots += (plots.empty() ? "plot " : ", \\\n     ") + plot;
-    write_whole(script, script_ + plots + "\n");
+    write_whole(script, head() + script_ + plots + "\n");
     return script;
   }
 
  private:
-  static constexpr int gap = 40, panel_width = 260, right = 20, top = 70, bottom = 85, least_width = 900;
-  static constexpr int most_width = 1400, most_map_height = 1100, least_height = 380, least_height_with_layer = 640;
+  static constexpr int gap = 40, panel_width = 260, right = 20, top = 70, bottom = 85, under_panel = 25,
+                       least_width = 900;
+  static constexpr int most_width = 1400, most_map_height = 1100;
+  static constexpr int scale_height = 100;  ///< of the bar of lengths and the arrow to the north
 
   std::filesystem::path file(const std::string& ending) const { return folder_ / (name_ + ending); }
   std::string quoted(const std::string& ending) const { return gnuplot_text(name_ + ending); }
@@ -191,11 +195,19 @@ class MapPage {
         quoted(ending), columns, rows, format, map_x(first[0]), map_y(first[1]), pixel[0], pixel[1], use);
   }
 
-  void add_head() {
-    add(fmt::format("set terminal pngcairo noenhanced size {},{} font 'sans,14' background '#ffffff'", width_,
-                    height_));
-    add("set output " + quoted(".png"));
-    add("set encoding utf8\nset key off\nset clip two");
+  /// As high as the map needs with its axis, or the panel beside it.
+  void set_height(int panel_height) {
+    height_ = top + std::max(map_height_ + bottom, panel_height + under_panel);
+    map_top_ = height_ - top;
+    panel_foot_ = map_top_ - std::max(map_height_, panel_height);
+  }
+
+  std::string head() const {
+    return fmt::format("set terminal pngcairo noenhanced rounded size {},{} font 'sans,14' background '#ffffff'\n",
+                       width_, height_) +
+           "set output " + quoted(".png") + "\nset encoding utf8\nset key off\nset clip two\n";
+  }
+  void add_title() {
     const double letters = double(picture_.title.size());
     add_text(0.5 * width_, height_ - 34, picture_.title,
              fmt::format("center font ',{:.0f}'", std::clamp(1.35 * width_ / std::max(letters, 1.0), 11.0, 19.0)));
@@ -255,10 +267,10 @@ class MapPage {
       }
     write_whole(file("_shade.bin"), grey_and_opacity);
     add("set object rectangle from graph 0, graph 0 to graph 1, graph 1 behind fs solid 1 noborder fc '#cdcdcd'");
-    shade_plot_ = binary("_shade.bin", "%uchar%uchar", columns, rows,
-                         {view_.low[0] + 0.5 * dx / columns, view_.low[1] + 0.5 * dy / rows}, {dx / columns, dy / rows},
-                         "1:1:1:2") +
-                  " with rgbalpha";
+    add_plot(binary("_shade.bin", "%uchar%uchar", columns, rows,
+                    {view_.low[0] + 0.5 * dx / columns, view_.low[1] + 0.5 * dy / rows}, {dx / columns, dy / rows},
+                    "1:1:1:2") +
+             " with rgbalpha");
   }
 
   void write_layer() {
@@ -369,7 +381,8 @@ class MapPage {
       const double border = 0.6 * label;
       if (middle[0] - border < view_.low[0] || middle[0] + border > view_.high[0] ||
           middle[1] - border < view_.low[1] || middle[1] + border > view_.high[1] || is_on_layer(middle) ||
-          is_on_layer(line[i]) || is_on_layer(line[j]) || is_on_domain(middle, border) || is_on_name(middle, border))
+          is_on_layer(line[i]) || is_on_layer(line[j]) || is_on_domain(middle, border) || is_on_name(middle, border) ||
+          marks_in({middle - Vec<2>{border, border}, middle + Vec<2>{border, border}}) > 0)
         continue;
       double farthest = 0;  // of the points between from the chord
       const Vec<2> chord = line[j] - line[i];
@@ -471,7 +484,7 @@ class MapPage {
       std::string text = "# outline of the domain: east [m], north [m]\n";
       append_line(text, {d.low, {d.high[0], d.low[1]}, d.high, {d.low[0], d.high[1]}, d.low}, 0, 4);
       write_whole(file("_domain.txt"), text);
-      add_plot(fmt::format("{} with lines lw 2 dt (12,7) lc '{}'", quoted("_domain.txt"), domain_colour));
+      add_plot(fmt::format("{} with lines lw 2 dt (12,11) lc '{}'", quoted("_domain.txt"), domain_colour));
     }
   }
 
@@ -479,11 +492,32 @@ class MapPage {
     return x[0] >= view_.low[0] && x[0] <= view_.high[0] && x[1] >= view_.low[1] && x[1] <= view_.high[1];
   }
 
-  /// The name of a gauge, and the rectangle that it covers.
+  /// The name of a gauge or solid, and the rectangle that it covers.
   struct PlacedName {
     std::string text;
+    const char* colour;
     PlanBox box;
   };
+  /// What has a name that stands beside it, at one of several places.
+  struct Named {
+    std::string text;
+    const char* colour;
+    std::vector<PlanBox> places;
+  };
+  std::vector<Named> named() const {
+    std::vector<Named> all;
+    for (const MapGauge& gauge : picture_.gauges)
+      all.push_back({gauge.name,
+                     gauge_colour,
+                     {{gauge.points.back(), gauge.points.back()}, {gauge.points.front(), gauge.points.front()}}});
+    for (const MapArea& solid : picture_.solids) {
+      GrowingBox around;
+      for (const PlanLine& line : solid.outlines)
+        for (const Vec<2>& x : line) around.hold(x);
+      if (!around.is_empty()) all.push_back({solid.name, solid_colour, {around.box}});
+    }
+    return all;
+  }
   static bool overlap(const PlanBox& a, const PlanBox& b) {
     return a.low[0] < b.high[0] && b.low[0] < a.high[0] && a.low[1] < b.high[1] && b.low[1] < a.high[1];
   }
@@ -494,28 +528,67 @@ class MapPage {
     });
   }
 
-  /// Names stand beside a place, or beside an end of a line: where they are free of other names and of other gauges, if
-  /// there is such a place.
+  /// Marks the squares of a few pixels through which outlines and lines pass, for names and heights to stand beside.
+  void mark_lines() {
+    const double edge = 5 / scale_;
+    marks_ = PlanRaster::of(view_.low, edge, int((view_.high[0] - view_.low[0]) / edge) + 1,
+                            int((view_.high[1] - view_.low[1]) / edge) + 1, 0);
+    const auto mark = [&](const PlanLine& line) {
+      for (std::size_t i = 0; i + 1 < line.size(); ++i) {
+        const Vec<2> way = line[i + 1] - line[i];
+        const int n = 1 + int(std::min(length(way) / edge, 1e6));
+        for (int k = 0; k <= n; ++k) {
+          const Vec<2> x = line[i] + (double(k) / n) * way;
+          if (is_in_view(x)) marks_.at(marks_.column_of(x[0]), marks_.row_of(x[1])) = 1;
+        }
+      }
+    };
+    for (const PlanLine& line : release_) mark(line);
+    for (const auto* areas : {&picture_.zones, &picture_.solids})
+      for (const MapArea& area : *areas)
+        for (const PlanLine& line : area.outlines) mark(line);
+    for (const MapGauge& gauge : picture_.gauges) mark(gauge.points);
+    mark(picture_.thalweg);
+  }
+  /// The number of marked squares in a box.
+  int marks_in(const PlanBox& box) const {
+    int n = 0;
+    for (int row = std::max(0, marks_.row_of(box.low[1])); row <= std::min(marks_.rows - 1, marks_.row_of(box.high[1]));
+         ++row)
+      for (int column = std::max(0, marks_.column_of(box.low[0]));
+           column <= std::min(marks_.columns - 1, marks_.column_of(box.high[0])); ++column)
+        n += marks_.at(column, row) > 0;
+    return n;
+  }
+
+  /// Names stand beside a place, an end of a line, or a solid: of the places inside the map at the one that covers the
+  /// fewest of other names and gauges, then of lines.
   void place_names() {
     std::vector<PlanBox> taken;
     const Vec<2> symbol{9 / scale_, 9 / scale_};
     for (const MapGauge& gauge : picture_.gauges)
       for (const Vec<2>& x : gauge.points) taken.push_back({x - symbol, x + symbol});
-    for (const MapGauge& gauge : picture_.gauges) {
-      const Vec<2> half{(4.4 * double(gauge.name.size()) + 6) / scale_, 12 / scale_};
-      const double aside = half[0] + 13 / scale_, up = half[1] + 12 / scale_;
-      std::optional<PlanBox> free, seen;
-      for (const Vec<2>& x : {gauge.points.back(), gauge.points.front()})
+    for (const Named& it : named()) {
+      const Vec<2> half{(4.4 * double(it.text.size()) + 6) / scale_, 12 / scale_};
+      std::optional<PlanBox> best;
+      std::pair<long, int> least;
+      for (const PlanBox& place : it.places) {
+        const Vec<2> x = 0.5 * (place.low + place.high), extent = 0.5 * (place.high - place.low);
+        const double aside = extent[0] + half[0] + 13 / scale_, up = extent[1] + half[1] + 12 / scale_;
         for (const Vec<2>& way : {Vec<2>{aside, 0}, Vec<2>{-aside, 0}, Vec<2>{0, -up}, Vec<2>{0, up},
                                   Vec<2>{aside, -up}, Vec<2>{-aside, -up}, Vec<2>{aside, up}, Vec<2>{-aside, up}}) {
           const PlanBox box{x + way - half, x + way + half};
           if (!is_in_view(x) || !is_in_view(box.low) || !is_in_view(box.high)) continue;
-          if (!seen) seen = box;
-          if (!free && std::none_of(taken.begin(), taken.end(), [&](const PlanBox& t) { return overlap(t, box); }))
-            free = box;
+          const std::pair covered(
+              std::count_if(taken.begin(), taken.end(), [&](const PlanBox& t) { return overlap(t, box); }),
+              marks_in(box));
+          if (best && !(covered < least)) continue;
+          best = box;
+          least = covered;
         }
-      if (!seen) continue;
-      names_.push_back({gauge.name, free.value_or(*seen)});
+      }
+      if (!best) continue;
+      names_.push_back({it.text, it.colour, *best});
       taken.push_back(names_.back().box);
     }
   }
@@ -523,7 +596,7 @@ class MapPage {
   void write_zones() {
     std::string text = "# outlines of zones: east [m], north [m]\n";
     bool any = false;
-    for (const MapZone& zone : picture_.zones)
+    for (const MapArea& zone : picture_.zones)
       for (const PlanLine& line : zone.outlines) {
         append_line(text, line, 0, line.size() - 1);
         any = true;
@@ -531,7 +604,21 @@ class MapPage {
     if (!any) return;
     write_whole(file("_zones.txt"), text);
     add_plot(fmt::format("{} with lines lw 3.6 lc '#ffffff'", quoted("_zones.txt")));
-    add_plot(fmt::format("{} with lines lw 1.8 dt (6,4) lc '{}'", quoted("_zones.txt"), zone_colour));
+    add_plot(fmt::format("{} with lines lw 1.8 dt (5,8) lc '{}'", quoted("_zones.txt"), zone_colour));
+  }
+
+  void write_solids() {
+    std::string text = "# outlines of solids above the ground: east [m], north [m]\n";
+    bool any = false;
+    for (const MapArea& solid : picture_.solids)
+      for (const PlanLine& line : solid.outlines) {
+        append_line(text, line, 0, line.size() - 1);
+        any = true;
+      }
+    if (!any) return;
+    write_whole(file("_solids.txt"), text);
+    add_plot(fmt::format("{} with lines lw 4.5 lc '#ffffff'", quoted("_solids.txt")));
+    add_plot(fmt::format("{} with lines lw 2.2 lc '{}'", quoted("_solids.txt"), solid_colour));
   }
 
   void write_thalweg() {
@@ -540,7 +627,7 @@ class MapPage {
     append_line(text, picture_.thalweg, 0, picture_.thalweg.size() - 1);
     write_whole(file("_thalweg.txt"), text);
     add_plot(fmt::format("{} with lines lw 4.5 lc '#ffffff'", quoted("_thalweg.txt")));
-    add_plot(fmt::format("{} with lines lw 2.2 dt (14,5) lc '{}'", quoted("_thalweg.txt"), thalweg_colour));
+    add_plot(fmt::format("{} with lines lw 2.2 dt (14,9) lc '{}'", quoted("_thalweg.txt"), thalweg_colour));
     // An arrow at the lower end, as long as its head.
     const Vec<2> end = picture_.thalweg.back();
     Vec<2> before = picture_.thalweg[picture_.thalweg.size() - 2];
@@ -554,7 +641,7 @@ class MapPage {
 
   void write_gauges() {
     const std::string head = "# gauges: east [m], north [m]\n";
-    std::string lines = head, places = head, names = "# east [m], north [m], name\n";
+    std::string lines = head, places = head;
     for (const MapGauge& gauge : picture_.gauges)
       append_line(gauge.points.size() > 1 ? lines : places, gauge.points, 0, gauge.points.size() - 1);
     if (lines != head) {
@@ -567,14 +654,22 @@ class MapPage {
       add_plot(fmt::format("{} with points pt 9 ps 2.6 lc '#ffffff'", quoted("_gauge_places.txt")));
       add_plot(fmt::format("{} with points pt 9 ps 1.7 lc '{}'", quoted("_gauge_places.txt"), gauge_colour));
     }
-    if (names_.empty()) return;
-    for (const PlacedName& name : names_) {
-      const Vec<2> middle = 0.5 * (name.box.low + name.box.high);
-      names += fmt::format("{:.10g} {:.10g} \"{}\"\n", map_x(middle[0]), map_y(middle[1]), name.text);
+  }
+
+  void write_names() {
+    if (!names_.empty()) add("set style textbox opaque fillcolor '#ffffff' noborder margins 0.7,0.6");
+    for (const auto& [ending, colour] : {std::pair("_gauges.txt", gauge_colour), {"_solid_names.txt", solid_colour}}) {
+      const std::string head = "# east [m], north [m], name\n";
+      std::string text = head;
+      for (const PlacedName& name : names_)
+        if (name.colour == colour) {
+          const Vec<2> middle = 0.5 * (name.box.low + name.box.high);
+          text += fmt::format("{:.10g} {:.10g} \"{}\"\n", map_x(middle[0]), map_y(middle[1]), name.text);
+        }
+      if (text == head) continue;
+      write_whole(file(ending), text);
+      add_plot(fmt::format("{} using 1:2:3 with labels boxed font ',12' tc '{}'", quoted(ending), colour));
     }
-    write_whole(file("_gauges.txt"), names);
-    add("set style textbox opaque fillcolor '#ffffff' noborder margins 0.7,0.6");
-    add_plot(fmt::format("{} using 1:2:3 with labels boxed font ',12' tc '{}'", quoted("_gauges.txt"), gauge_colour));
   }
 
   /// Whether a part of a line is in the view.
@@ -596,9 +691,11 @@ class MapPage {
                     screen(x1, y1), colour));
   }
 
-  /// Beside the map, from the top: colours, legend, notes; from the bottom: scale and north.
-  void add_panel() {
-    const double x = left_ + map_width_ + gap;
+  double panel_x() const { return left_ + map_width_ + gap; }
+
+  /// Beside the map, from the top: colours, legend, notes. Returns where they end.
+  double add_words() {
+    const double x = panel_x();
     double y = map_top_ - 10;
     if (picture_.layer) y = add_colours(x, y);
     y = add_legend(x, y);
@@ -607,7 +704,18 @@ class MapPage {
         add_text(x, y, line, "font ',12' tc '#333333'");
         y -= 23;
       }
-    add_scale_and_north(x);
+    return y;
+  }
+  /// The height that all of it needs.
+  int panel_height() {
+    const std::string so_far = script_;
+    const int height = int(map_top_ - add_words()) + scale_height;
+    script_ = so_far;
+    return height;
+  }
+  void add_panel() {
+    add_words();
+    add_scale_and_north(panel_x());
   }
 
   double add_colours(double x, double y) {
@@ -651,20 +759,25 @@ class MapPage {
     };
     if (!release_.empty()) entry("Release", fmt::format("lw 2.5 lc '{}'", release_colour));
     if (picture_.domain && is_seen(*picture_.domain))
-      entry("Domain", fmt::format("lw 2 dt (8,5) lc '{}'", domain_colour));
+      entry("Domain", fmt::format("lw 2 dt (8,9) lc '{}'", domain_colour));
     // One line of the legend for each zone, as long as there are few.
     constexpr std::size_t most_zones = 4;
-    const std::string dashes = fmt::format("lw 1.8 dt (6,4) lc '{}'", zone_colour);
+    const std::string dashes = fmt::format("lw 1.8 dt (5,8) lc '{}'", zone_colour);
     std::vector<std::string> zones;
-    for (const MapZone& zone : picture_.zones)
+    for (const MapArea& zone : picture_.zones)
       if (std::any_of(zone.outlines.begin(), zone.outlines.end(), [&](const PlanLine& l) { return is_seen(l); }))
         zones.push_back(zone.name);
     if (zones.size() > most_zones) zones = {fmt::format("{} zones", zones.size())};
     for (const std::string& name : zones) entry(name, dashes);
+    if (std::any_of(picture_.solids.begin(), picture_.solids.end(), [&](const MapArea& solid) {
+          return std::any_of(solid.outlines.begin(), solid.outlines.end(),
+                             [&](const PlanLine& l) { return is_seen(l); });
+        }))
+      entry("Solid", fmt::format("lw 2.2 lc '{}'", solid_colour));
     if (is_seen(picture_.thalweg))
       entry(picture_.thalweg_width > 0 ? fmt::format("Thalweg, strip of {} m", three_digits(picture_.thalweg_width))
                                        : std::string("Thalweg"),
-            fmt::format("lw 2.2 dt (12,5) lc '{}'", thalweg_colour));
+            fmt::format("lw 2.2 dt (12,9) lc '{}'", thalweg_colour));
     bool lines = false, places = false;
     for (const MapGauge& gauge : picture_.gauges)
       if (is_seen(gauge.points)) (gauge.points.size() > 1 ? lines : places) = true;
@@ -707,9 +820,9 @@ class MapPage {
     return all;
   }
 
+  /// At the foot of the panel.
   void add_scale_and_north(double x) {
-    const double floor = map_top_ - std::max(map_height_, picture_.layer ? least_height_with_layer : least_height);
-    const double y = floor + 14, metres = round_length(215 / scale_), bar = metres * scale_;
+    const double y = panel_foot_ + 14, metres = round_length(170 / scale_), bar = metres * scale_;
     add_rectangle(x, y, x + 0.5 * bar, y + 9, "#222222");
     add_rectangle(x + 0.5 * bar, y, x + bar, y + 9, "#ffffff");
     const bool is_long = metres >= 1000;
@@ -717,7 +830,7 @@ class MapPage {
     add_text(x + bar, y + 26, fmt::format("{:g} {}", is_long ? metres / 1000 : metres, is_long ? "km" : "m"),
              "center font ',12'");
     // North arrow
-    const double nx = x + panel_width - 50, ny = y + 50;
+    const double nx = x + panel_width - 25, ny = y;
     add(fmt::format("set object polygon from {} to {} to {} to {} fs solid 1 noborder fc '#222222'",
                     screen(nx, ny + 46), screen(nx - 13, ny), screen(nx, ny + 10), screen(nx, ny + 46)));
     add(fmt::format("set object polygon from {} to {} to {} to {} fs empty border lc '#222222' lw 1.2",
@@ -726,7 +839,8 @@ class MapPage {
   }
 
   static constexpr const char *contour_colour = "#8a745f", *release_colour = "#d01c1c", *domain_colour = "#111111",
-                              *thalweg_colour = "#00509e", *gauge_colour = "#00509e", *zone_colour = "#1b6e3c";
+                              *thalweg_colour = "#00509e", *gauge_colour = "#00509e", *zone_colour = "#1b6e3c",
+                              *solid_colour = "#1a1a1a";
 
   std::filesystem::path folder_;
   std::string name_;
@@ -734,13 +848,13 @@ class MapPage {
   std::vector<PlanLine> release_;
   PlanBox view_;
   double scale_ = 1;  ///< [pixels/m]
-  int map_width_ = 0, map_height_ = 0, width_ = 0, height_ = 0, map_top_ = 0, left_ = 0;
+  int map_width_ = 0, map_height_ = 0, width_ = 0, height_ = 0, map_top_ = 0, left_ = 0, panel_foot_ = 0;
   double tic_step_ = 1;            ///< [m]
   std::size_t letters_north_ = 0;  ///< of the longest number along the axis
   double interval_ = 0;            ///< of contours [m]
   std::optional<double> scale_end_, largest_;
-  std::string shade_plot_;
   std::vector<ContourLabel> labels_;
+  PlanRaster marks_;  ///< see mark_lines
   std::vector<PlacedName> names_;
   std::string script_;
   std::vector<std::string> plots_;

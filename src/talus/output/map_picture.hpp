@@ -36,8 +36,8 @@ struct MapGauge {
   PlanLine points;
 };
 
-/// Ground with a contact of its own.
-struct MapZone {
+/// A part of the plane: ground with a contact of its own, or what a solid covers.
+struct MapArea {
   std::string name;
   std::vector<PlanLine> outlines;
 };
@@ -51,7 +51,8 @@ struct MapPicture {
   std::vector<PlanLine> release;           ///< outlines, closed or not
   std::optional<PlanRaster> release_mask;  ///< numbers above zero are release
   std::optional<PlanBox> domain;           ///< of the run
-  std::vector<MapZone> zones;
+  std::vector<MapArea> zones;
+  std::vector<MapArea> solids;
   std::vector<MapGauge> gauges;
   PlanLine thalweg;                ///< from its upper end, with an arrow at its lower one; empty: none
   double thalweg_width = 0;        ///< of the strip along it [m], for the legend

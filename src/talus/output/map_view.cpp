@@ -85,7 +85,52 @@ nlohmann::json add_ground(const Terrain& ground, double most_pixels, std::string
           {"gaps", gaps}};
 }
 
+/// How deep inside a solid the vertical line above a place reaches [m]; negative: the distance at which it passes.
+double depth_above(const Solid& solid, const Terrain& ground, const Vec<2>& at, double top, double step) {
+  double depth = -INFINITY;
+  for (double z = ground.at(at[0], at[1]).height; z <= top;) {
+    const double distance = solid.near({at[0], at[1], z}, Pose{}, 3).distance;
+    depth = std::max(depth, -distance);
+    z += std::max(step, std::abs(distance));
+  }
+  return depth;
+}
+
+std::vector<PlanLine> outlines_of(const Solid& solid, const Case& case_) {
+  const Box &domain = case_.domain, box = solid.hollow ? domain : bounding_box(solid.shape, 3, domain);
+  Vec<2> low, edges;
+  for (int a : {0, 1}) {
+    low[a] = std::max(box.min[a], domain.min[a]);
+    edges[a] = std::min(box.max[a], domain.max[a]) - low[a];
+  }
+  if (!(edges[0] > 0 && edges[1] > 0)) return {};
+  // A solid is at least as thick as a cell. Corners are rounded off by a pixel.
+  constexpr double most_pixels = 2e5;
+  const double pixel = std::max(std::min(0.25 * case_.cell, 0.01 * std::max(edges[0], edges[1])),
+                                std::sqrt(edges[0] * edges[1] / most_pixels));
+  // With pixels around, where there is nothing, so that lines are closed.
+  PlanRaster depth = PlanRaster::of(low - Vec<2>{1.5 * pixel, 1.5 * pixel}, pixel, int(edges[0] / pixel) + 4,
+                                    int(edges[1] / pixel) + 4, -pixel);
+  for (int row = 0; row < depth.rows; ++row)
+    for (int column = 0; column < depth.columns; ++column) {
+      const Vec<2> at = depth.middle(column, row);
+      double here = depth_above(solid, *case_.map->ground, at, box.max[2], 0.5 * pixel);
+      for (int a : {0, 1}) here = std::min({here, at[a] - domain.min[a], domain.max[a] - at[a]});
+      if (std::isfinite(here)) depth.at(column, row) = here;
+    }
+  return contour_lines(depth, 0);
+}
+
 }  // namespace
+
+std::vector<MapOverlay> solid_outlines_of(const Case& case_) {
+  std::vector<MapOverlay> overlays;
+  for (const Solid& solid : case_.solids)
+    if (!std::holds_alternative<Ground>(solid.shape))
+      if (std::vector<PlanLine> lines = outlines_of(solid, case_); !lines.empty())
+        overlays.push_back({solid.name, "solid", std::move(lines)});
+  return overlays;
+}
 
 std::vector<MapOverlay> zone_outlines_of(const Case& case_) {
   std::vector<MapOverlay> overlays;
@@ -102,6 +147,10 @@ std::vector<MapOverlay> zone_outlines_of(const Case& case_) {
 std::vector<MapOverlay> overlays_of(const Case& case_) {
   std::vector<MapOverlay> overlays = zone_outlines_of(case_);
   overlays.push_back({"Release", "release", outlines_of(release_of(case_))});
+  for (MapOverlay& solid : solid_outlines_of(case_)) {
+    solid.name = "Solid " + solid.name;
+    overlays.push_back(std::move(solid));
+  }
   if (case_.thalweg) overlays.push_back({"Thalweg", "line", {case_.thalweg->points}});
   for (const Gauge& gauge : case_.gauges)
     overlays.push_back({"Gauge " + gauge.name, gauge.is_line() ? "line" : "point", {gauge.points}});

@@ -15,13 +15,16 @@ namespace talus {
 /// What is drawn above the map, in coordinates of the run [m].
 struct MapOverlay {
   std::string name;
-  std::string kind;             ///< "release", "zone", "line" or "point"
+  std::string kind;             ///< "release", "zone", "solid", "line" or "point"
   std::vector<PlanLine> lines;  ///< of a point: one place each
 };
 
 /// Outlines of zones with another contact.
 std::vector<MapOverlay> zone_outlines_of(const Case& case_);
-/// Zones, outlines of what is released, the thalweg and gauges.
+/// Outlines of solids where they stand above the ground, as they are at the start; of hollow ones, of the space that
+/// they leave.
+std::vector<MapOverlay> solid_outlines_of(const Case& case_);
+/// Zones, outlines of what is released, solids, the thalweg and gauges.
 std::vector<MapOverlay> overlays_of(const Case& case_);
 
 /// How much of the maps goes into a page.

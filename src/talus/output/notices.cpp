@@ -68,9 +68,16 @@ std::string notice_of_outflow(const RunSummary& run) {
   if (l.outflow.mass == 0) return "";
   std::vector<std::string> ways;
   if (const std::vector<OutflowOnMap>& places = run.outflow; !places.empty()) {
-    constexpr std::size_t most = 4;  // the record has all
-    for (std::size_t i = 0; i < std::min(most, places.size()); ++i) ways.push_back(in_words(places[i]));
-    if (places.size() > most) ways.push_back(fmt::format("and {} further places", places.size() - most));
+    // The record has all. Single particles that lost contact go far: places of a ten thousandth are not named.
+    constexpr std::size_t most = 4;
+    const auto is_small = [](const OutflowOnMap& place) { return place.share < 1e-4; };
+    const std::size_t n_large =
+        std::max<std::size_t>(1, places.size() - std::size_t(std::ranges::count_if(places, is_small)));
+    const std::size_t n = std::min(most, n_large), rest = places.size() - n;
+    for (std::size_t i = 0; i < n; ++i) ways.push_back(in_words(places[i]));
+    if (rest > 0)
+      ways.push_back(fmt::format("and {} further place{}{}", rest, rest == 1 ? "" : "s",
+                                 n == n_large ? ", less than 0.01 % each" : ""));
     return fmt::format(
         "{:.3g} kg, {:.3g} % of the mass, have left the domain: {}. Runout and deposit are those of the material in "
         "the domain.",

@@ -185,17 +185,22 @@ void write_record(const std::filesystem::path& file, const RunSummary& run) {
   if (run.noise)
     record["pressure_noise"] = {{"in_time", run.noise->in_time}, {"within_cells", run.noise->within_cells}};
   if (run.runout)
-    record["maps"] = {{"released_cubic_metre", run.runout->released},
-                      {"deposited_cubic_metre", run.runout->deposited},
-                      {"particles_cubic_metre", run.runout->particles},
-                      {"particles_at_start_cubic_metre", run.runout->at_start},
-                      {"bulking_factor", run.runout->bulking()},
-                      {"area_square_metre", run.runout->area},
-                      {"drop_metre", run.runout->drop},
-                      {"length_metre", run.runout->length},
-                      {"farthest_east_north_metre", {run.runout->farthest[0], run.runout->farthest[1]}},
-                      {"peak_thickness_metre", run.runout->thickness},
-                      {"peak_speed_metre_per_second", run.runout->speed}};
+    record["maps"] = {
+        {"released_cubic_metre", run.runout->released},
+        {"deposited_cubic_metre", run.runout->deposited},
+        {"particles_cubic_metre", run.runout->particles},
+        {"particles_at_start_cubic_metre", run.runout->at_start},
+        {"bulking_factor", run.runout->bulking()},
+        {"area_square_metre", run.runout->area},
+        {"drop_metre", run.runout->reach.drop},
+        {"length_metre", run.runout->reach.length},
+        {"farthest_east_north_metre", {run.runout->reach.farthest[0], run.runout->reach.farthest[1]}},
+        {"connected_area_square_metre", run.runout->connected_area},
+        {"connected_drop_metre", run.runout->connected.drop},
+        {"connected_length_metre", run.runout->connected.length},
+        {"connected_farthest_east_north_metre", {run.runout->connected.farthest[0], run.runout->connected.farthest[1]}},
+        {"peak_thickness_metre", run.runout->thickness},
+        {"peak_speed_metre_per_second", run.runout->speed}};
   if (run.thalweg) record["thalweg"] = thalweg_in_json(*run.thalweg);
   if (!run.gauges.empty()) record["gauges"] = gauges_in_json(run.gauges);
   record["time_step"] = time_step_in_json(run.tally);

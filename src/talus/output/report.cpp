@@ -193,12 +193,25 @@ std::string maps_section(const std::filesystem::path& folder, const Case& case_,
   row("volume on the maps at the end", fmt::format("{} m\u00b3", grouped(r.deposited)));
   row("bulking factor: volume at the end over volume as released", fmt::format("{:.3f}", r.bulking()));
   row("area reached by the flow, in plan", fmt::format("{} m\u00b2", grouped(r.area)));
-  row("drop from the highest point of the release to the farthest point reached", fmt::format("{} m", grouped(r.drop)));
-  row("distance between them, in plan", fmt::format("{} m", grouped(r.length)));
-  if (r.length > 0)
-    row("drop over distance", fmt::format("{:.2f}, an angle of {:.1f}\u00b0", r.drop / r.length,
-                                          std::atan2(r.drop, r.length) * 180 / std::numbers::pi));
-  row("farthest point reached", fmt::format("east {}, north {} m", grouped(r.farthest[0]), grouped(r.farthest[1])));
+  row("drop from the highest point of the release to the farthest point reached",
+      fmt::format("{} m", grouped(r.reach.drop)));
+  row("distance between them, in plan", fmt::format("{} m", grouped(r.reach.length)));
+  const auto ratio = [](const FlowReach& reach) {
+    return fmt::format("{:.2f}, an angle of {:.1f}\u00b0", reach.drop / reach.length,
+                       reach.angle() * 180 / std::numbers::pi);
+  };
+  const auto place = [](const FlowReach& reach) {
+    return fmt::format("east {}, north {} m", grouped(reach.farthest[0]), grouped(reach.farthest[1]));
+  };
+  if (r.reach.length > 0) row("drop over distance", ratio(r.reach));
+  row("farthest point reached", place(r.reach));
+  if (r.connected_area < r.area && r.connected.length > 0) {
+    row("area of the flow that is connected, without single particles ahead or beside",
+        fmt::format("{} m\u00b2", grouped(r.connected_area)));
+    row("farthest point of the connected flow", place(r.connected));
+    row("drop and distance to it", fmt::format("{} m, {} m", grouped(r.connected.drop), grouped(r.connected.length)));
+    row("drop over distance to it", ratio(r.connected));
+  }
   row("largest thickness", fmt::format("{:.3g} m", r.thickness));
   row("largest speed", fmt::format("{:.3g} m/s", r.speed));
   section +=

@@ -5,6 +5,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <cmath>
 #include <numeric>
@@ -45,6 +46,56 @@ PlanRaster scaled(PlanRaster raster, double factor) {
   return raster;
 }
 
+/// Of the sets of pixels with a number that touch, if only by their corners, the largest; the others have none.
+PlanRaster connected(const PlanRaster& raster) {
+  std::vector<int> set_of(raster.values.size(), 0);
+  std::vector<std::size_t> sizes{0};
+  std::vector<std::array<int, 2>> ahead;
+  const auto visit = [&](int column, int row) {
+    if (!raster.has(column, row) || set_of[raster.index(column, row)] > 0) return;
+    set_of[raster.index(column, row)] = int(sizes.size()) - 1;
+    ++sizes.back();
+    ahead.push_back({column, row});
+  };
+  for (int row = 0; row < raster.rows; ++row)
+    for (int column = 0; column < raster.columns; ++column) {
+      sizes.push_back(0);
+      visit(column, row);
+      while (!ahead.empty()) {
+        const auto [c, r] = ahead.back();
+        ahead.pop_back();
+        for (int i = -1; i <= 1; ++i)
+          for (int j = -1; j <= 1; ++j) visit(c + i, r + j);
+      }
+      if (sizes.back() == 0) sizes.pop_back();
+    }
+  const int largest = int(std::ranges::max_element(sizes) - sizes.begin());
+  PlanRaster part = raster;
+  for (std::size_t i = 0; i < part.values.size(); ++i)
+    if (set_of[i] != largest) part.values[i] = PlanRaster::none;
+  return part;
+}
+
+/// To the farthest pixel with a number.
+FlowReach reach_of(const PlanRaster& raster, const Vec<2>& top, const MapOfCase& map) {
+  FlowReach reach;
+  const double top_height = map.ground->at(top[0], top[1]).height;
+  for (int row = 0; row < raster.rows; ++row)
+    for (int column = 0; column < raster.columns; ++column) {
+      if (!raster.has(column, row)) continue;
+      const Vec<2> at = raster.middle(column, row);
+      if (const double distance = length(at - top); distance > reach.length)
+        reach = {top_height - map.ground->at(at[0], at[1]).height, distance, at + map.frame.origin};
+    }
+  return reach;
+}
+
+/// In plan, of the pixels with a number [m2].
+double area_of(const PlanRaster& raster) {
+  return double(std::ranges::count_if(raster.values, [](double v) { return !std::isnan(v); })) * raster.pixel *
+         raster.pixel;
+}
+
 MapPicture picture_of(const Case& case_) {
   MapPicture picture;
   picture.title = case_.title;
@@ -54,6 +105,7 @@ MapPicture picture_of(const Case& case_) {
   picture.domain = PlanBox{{case_.domain.min[0], case_.domain.min[1]}, {case_.domain.max[0], case_.domain.max[1]}};
   picture.cell = case_.cell;
   for (const MapOverlay& zone : zone_outlines_of(case_)) picture.zones.push_back({zone.name, zone.lines});
+  for (const MapOverlay& solid : solid_outlines_of(case_)) picture.solids.push_back({solid.name, solid.lines});
   for (const Gauge& gauge : case_.gauges) picture.gauges.push_back({gauge.name, gauge.points});
   if (case_.thalweg) {
     picture.thalweg = case_.thalweg->points;
@@ -238,18 +290,12 @@ Runout TerrainMaps::runout(const FlowMap& end) const {
         top_height = height;
       }
     }
-  for (int row = 0; row < peak.rows; ++row)
-    for (int column = 0; column < peak.columns; ++column) {
-      if (!peak.has(column, row)) continue;
-      out.area += area;
-      out.speed = std::max(out.speed, peak.at(column, row));
-      const Vec<2> at = peak.middle(column, row), way = at - top;
-      if (const double length = std::sqrt(dot(way, way)); length > out.length) {
-        out.length = length;
-        out.drop = top_height - case_.map->ground->at(at[0], at[1]).height;
-        out.farthest = at + case_.map->frame.origin;
-      }
-    }
+  for (const double speed : peak.values) out.speed = std::fmax(out.speed, speed);  // the larger that is a number
+  const PlanRaster together = connected(peak);
+  out.area = area_of(peak);
+  out.reach = reach_of(peak, top, *case_.map);
+  out.connected_area = area_of(together);
+  out.connected = reach_of(together, top, *case_.map);
   return out;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 /// The maps that a run on terrain leaves: rasters for geographic information systems, and pictures of them.
 
+#include <cmath>
 #include <filesystem>
 #include <optional>
 #include <span>
@@ -24,6 +25,14 @@ double checksum_of_maps(const Case& case_);
 /// What is released onto the ground of a case: upright thickness on the pixels of its maps [m].
 PlanRaster release_of(const Case& case_);
 
+/// From the highest place of the release to the farthest of some pixels [m].
+struct FlowReach {
+  double drop = 0, length = 0;
+  Vec<2> farthest{};  ///< on the map
+
+  double angle() const { return std::atan2(drop, length); }
+};
+
 /// What the maps of a run say in numbers.
 struct Runout {
   double released = 0;   ///< volume at the start [m3]
@@ -34,11 +43,14 @@ struct Runout {
   double at_start = 0;  ///< volume that these particles had at the start [m3]
   /// Bulking factor: present volume over that at the start.
   double bulking() const { return at_start > 0 ? particles / at_start : 1; }
-  double area = 0;              ///< in plan, where flow has been [m2]
-  double drop = 0, length = 0;  ///< from the highest place of the release to the farthest that flow has reached [m]
-  Vec<2> farthest{};            ///< that place, on the map [m]
-  double thickness = 0;         ///< largest of all [m], normal to the ground
-  double speed = 0;             ///< largest of all [m/s]
+  double area = 0;  ///< in plan, where flow has been [m2]
+  FlowReach reach;  ///< of all flow
+  /// Connected flow: of the sets of pixels that touch, if only by their corners, the largest. Single particles that have
+  /// run ahead are beside it.
+  double connected_area = 0;
+  FlowReach connected;
+  double thickness = 0;  ///< largest of all [m], normal to the ground
+  double speed = 0;      ///< largest of all [m/s]
 };
 
 /// Maps and their numbers at the end of a run.

@@ -227,7 +227,7 @@
       pen.save(); pen.translate(u, v); pen.rotate(angle); text(grouped(l.level), 0, 0, "center", "#3d2f22"); pen.restore();
     }
   }
-  const pens = {release: ["#d01c1c", 2.5, []], zone: ["#1b6e3c", 1.8, [6, 4]], line: ["#00509e", 2.2, []], point: ["#00509e", 2, []]};
+  const pens = {release: ["#d01c1c", 2.5, []], zone: ["#1b6e3c", 1.8, [6, 4]], line: ["#00509e", 2.2, []], point: ["#00509e", 2, []], solid: ["#1a1a1a", 2.2, []]};
   function draw_overlays() {
     for (const {name, kind, lines} of scene.overlays) {
       const [colour, w, dashes] = pens[kind];
@@ -239,7 +239,9 @@
         pen.setLineDash(dashes); pen.strokeStyle = colour; pen.lineWidth = w; pen.stroke();
         pen.setLineDash([]);
         pen.font = "bold 12px system-ui, sans-serif";
-        if (kind === "line" || kind === "point") text(name, ...place_of_name(at, pen.measureText(name).width), "left", colour);
+        // Names of solids stand east of them.
+        const named = kind === "solid" ? [at.reduce((p, q) => q[0] > p[0] ? q : p)] : at;
+        if (["line", "point", "solid"].includes(kind) && line === lines[0]) text(name, ...place_of_name(named, pen.measureText(name).width), "left", colour);
       }
     }
   }
