@@ -540,6 +540,35 @@ Case avalanche() {
   return case_;
 }
 
+// The flanks of a gully narrower than a cell hold different nodes, and each lets material fall along itself. What has sunk
+// a cell deep rises in every shift by as much as it has sunk since the last: a tenth of a cell at most.
+TEST(InAGully, NoParticleSinksMuchMoreThanACell) {
+  Case case_ = on_terrain();
+  set_domain(case_, {{-0.4, -0.4, -0.5}, {0.4, 0.4, 0.6}});
+  const auto ground = terrain_under(
+      case_.domain, [](double, double y) { return 2 * std::abs(y - 0.01); }, 0.5 * cell);
+  case_.solids = {{"terrain", Ground{ground}, rubs(0.2)}};
+  MohrCoulomb sand{};
+  sand.E = 1e5;
+  sand.nu = 0.3;
+  sand.phi = 30 * degree;
+  sand.prepare();
+  case_.materials = {{"sand", sand, 1000}};
+  case_.bodies = {layer_on(ground, {{-0.1, -0.025, 0}, {0.1, 0.025, 0}}, 0.5 * cell)};
+  const auto deepest = [&](bool shifts) {
+    case_.numerics.particle_shifting = shifts;
+    const auto loop = make_serial();
+    const auto s = make_simulation(case_, *loop);
+    while (s->ledger().time < 6) s->step();
+    double depth = 0;
+    for (const Vec<3>& x : s->places().places)
+      depth = std::max(depth, -nearness(SolidShape(Ground{ground}), x, 3).distance);
+    return depth / cell;
+  };
+  EXPECT_LT(deepest(true), 1.1);
+  EXPECT_GT(deepest(false), 1.5);  // or else this test shows nothing
+}
+
 /// What a run has come to.
 struct Result {
   std::vector<double> ledger;

@@ -80,6 +80,21 @@ class ContactFinder {
       return displacement;
     }
 
+    /// How far a point that has sunk more than a cell into a terrain is to rise: to that depth, by a tenth of a cell at most.
+    /// Contacts act at nodes, half a cell from the surface at most. In a gully as narrow as a cell each flank leaves the
+    /// other's material a part of its fall, which lets it sink at a speed of about g dt.
+    Vec<3> rise(const Vec<3>& x) const {
+      const double h = finder_.domain_.h;
+      Vec<3> up{};
+      for (const Beside& beside : solids_) {
+        const auto* ground = std::get_if<Ground>(&beside.solid->shape);
+        if (!ground || ground->surface->at(x[0], x[1]).height - x[2] <= h) continue;  // upright it is no nearer
+        const double depth = -beside.solid->near(x, beside.pose, Dim).distance;
+        up[Dim - 1] = std::max(up[Dim - 1], std::clamp(depth - h, 0.0, 0.1 * h));
+      }
+      return up;
+    }
+
    private:
     enum class Distance : char { unknown, near, far };
     struct Beside {

@@ -14,8 +14,8 @@ class ParticleShift {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
-  /// hold.
+  /// Moves the particles of bodies that flow, but not into solids as they stand at that time, and out of ground that they
+  /// have sunk into. Returns what particles hold.
   TileSums apply(Model<Dim, Shape>& m, double time) {
     windows_ = m.grid.template in_room_of_windows<double>();
     volume_ = m.grid.template in_room_of_nodes<double>();
@@ -60,7 +60,9 @@ class ParticleShift {
     double excess[Layout::n_window];
     m.window_of(t, excess_, excess);
     auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
-    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
+    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) {
+      return solids.limited(x, shift) + solids.rise(x);
+    };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
       if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, length, beside_solids);
