@@ -48,6 +48,18 @@ const Wall& Solid::contact_at(const Vec<3>& x) const {
 
 std::vector<Vec<3>> surface_points(const Solid& solid, const Pose& pose, const Box& within, double spacing, int dim) {
   std::vector<Vec<3>> points;
+  if (const auto* ground = std::get_if<Ground>(&solid.shape)) {  // has one point above every place, and is at rest
+    const Vec<3> extent = within.max - within.min;
+    const int n[2] = {std::max(1, int(std::ceil(extent[0] / spacing))),
+                      std::max(1, int(std::ceil(extent[1] / spacing)))};
+    for (int j = 0; j < n[1]; ++j)
+      for (int i = 0; i < n[0]; ++i) {
+        const double x = within.min[0] + (i + 0.5) * extent[0] / n[0], y = within.min[1] + (j + 0.5) * extent[1] / n[1];
+        const double z = ground->surface->at(x, y).height;
+        if (z >= within.min[2] && z <= within.max[2]) points.push_back({x, y, z});
+      }
+    return points;
+  }
   add_surface_points(solid, pose, within, spacing, dim, points);
   return points;
 }

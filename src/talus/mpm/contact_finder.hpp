@@ -80,16 +80,18 @@ class ContactFinder {
       return displacement;
     }
 
-    /// How far a point that has sunk more than a cell into a terrain is to rise: to that depth, by a tenth of a cell at most.
-    /// Contacts act at nodes, half a cell from the surface at most. In a gully as narrow as a cell each flank leaves the
-    /// other's material a part of its fall, which lets it sink at a speed of about g dt.
+    /// How far a point that has sunk more than a cell into a terrain is to rise: to that depth below the plane that touches
+    /// the ground above it, by a tenth of a cell at most. Contacts act at nodes, half a cell from the surface at most. In a
+    /// gully as narrow as a cell each flank leaves the other's material a part of its fall, which lets it sink at a speed of
+    /// about g dt, and in a ridge both flanks let it fall along them.
     Vec<3> rise(const Vec<3>& x) const {
       const double h = finder_.domain_.h;
       Vec<3> up{};
       for (const Beside& beside : solids_) {
         const auto* ground = std::get_if<Ground>(&beside.solid->shape);
-        if (!ground || ground->surface->at(x[0], x[1]).height - x[2] <= h) continue;  // upright it is no nearer
-        const double depth = -beside.solid->near(x, beside.pose, Dim).distance;
+        if (!ground) continue;
+        const TerrainPlace above = ground->surface->at(x[0], x[1]);
+        const double depth = (above.height - x[2]) * above.cosine();
         up[Dim - 1] = std::max(up[Dim - 1], std::clamp(depth - h, 0.0, 0.1 * h));
       }
       return up;
@@ -376,7 +378,8 @@ class ContactFinder {
   static double share_before(double ratio) {
     if (ratio <= 0) return 0;
     const auto share = [](double s) {  // of a node s cells inside the edge, -1.5 <= s <= 1.5
-      const double d = std::abs(s), less = d < 0.5 ? 0.5 - d * (0.75 - d * d / 3) : std::pow(1.5 - d, 3) / 6;
+      const double d = std::abs(s), rest = 1.5 - d;
+      const double less = d < 0.5 ? 0.5 - d * (0.75 - d * d / 3) : rest * rest * rest / 6;
       return s < 0 ? less : 1 - less;
     };
     double low = -0.5, high = 1.5;

@@ -154,7 +154,8 @@ class Stepper final : public Simulation {
     for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
   void rearrange(double dt) {
-    const bool is_in_windows = carried_.drift < reach_of_windows;
+    // The bound is that of the fastest node, which may be one that hardly moves any particle.
+    const bool is_in_windows = carried_.drift < reach_of_windows || are_in_windows(model_);
     if (is_in_windows) {
       if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
       carried_.unstretched = -dt;  // the step's own length is added at its end
