@@ -133,6 +133,7 @@ class ContactFinder {
 
   /// Whether there are walls or solids with contacts.
   bool any() const { return any_; }
+  bool has_ground() const { return std::any_of(solids_.begin(), solids_.end(), is_ground); }
 
   /// Finds the contacts of the nodes of a tile at time t, solids before walls; `found` has the contacts of the last
   /// step, and closed ones stay closed. `momentum`: of the nodes of all tiles.

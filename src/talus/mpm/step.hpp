@@ -154,14 +154,13 @@ class Stepper final : public Simulation {
     for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
   void rearrange(double dt) {
-    // The bound is that of the fastest node, which may be one that hardly moves any particle.
-    const bool is_in_windows = carried_.drift < reach_of_windows || are_in_windows(model_);
+    const bool is_in_windows = carried_.drift < reach_of_windows;
     if (is_in_windows) {
       if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
       carried_.unstretched = -dt;  // the step's own length is added at its end
     }
-    if (model_.numerics.particle_shifting && is_in_windows) {
-      const TileSums sums = shift_.apply(model_, ledger_.time);
+    if (model_.numerics.particle_shifting && (is_in_windows || model_.contact_finder.has_ground())) {
+      const TileSums sums = is_in_windows ? shift_.apply(model_, ledger_.time) : shift_.lift(model_, ledger_.time);
       ledger_.add_shift(sums);
       expect_inside(sums);
     }

@@ -77,20 +77,4 @@ TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearra
   });
 }
 
-/// Whether every particle is less than half a cell outside its tile, so that its nodes lie in the tile's window.
-template <int Dim, class Shape>
-bool are_in_windows(Model<Dim, Shape>& m) {
-  return m.over_tiles([&](int t, int, TileSums& sums) {
-    if (!m.has_particles(t)) return;
-    const Index<Dim>& tile = m.grid.tile(t).place;
-    m.for_each_body(t, [&](auto&, const auto& points) {
-      for (int i = points.range.begin; i < points.range.end; ++i)
-        for (int a = 0; a < Dim; ++a) {
-          const double x = (points.particles.position(a)[i] - m.domain.origin[a]) / m.domain.h - tile_edge * tile[a];
-          sums[Sum::faulty] += !(x > -0.5 && x < tile_edge + 0.5);
-        }
-    });
-  })[Sum::faulty] == 0;
-}
-
 }  // namespace talus

@@ -44,6 +44,24 @@ class ParticleShift {
     });
   }
 
+  /// Moves particles only out of ground that they have sunk into, wherever they are. Returns what particles hold.
+  TileSums lift(Model<Dim, Shape>& m, double time) {
+    return m.over_tiles([&](int t, int, TileSums& sums) {
+      if (!m.has_particles(t)) return;
+      const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
+      m.for_each_body(t, [&](auto& body, const auto& points) {
+        if (keeps_neighbours(body.law)) return;
+        for (int i = points.range.begin; i < points.range.end; ++i) {
+          Vec<3> x{};
+          for (int a = 0; a < Dim; ++a) x[a] = points.particles.position(a)[i];
+          const Vec<3> up = solids.rise(x);
+          for (int a = 0; a < Dim; ++a) points.particles.position(a)[i] += up[a];
+        }
+      });
+      add_up_particles_of_tile(m, t, sums);
+    });
+  }
+
  private:
   void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker) {
     if (!m.has_particles(t)) return;
