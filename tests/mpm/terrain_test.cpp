@@ -518,6 +518,16 @@ TEST(OnACurvedBed, APatchThatIsThrownAcrossAFunnelTurnsAsItsWallDoes) {
 
 // ---- the same bits -----------------------------------------------------------------------------------------------
 
+/// Without cohesion, 30 degrees; `E` [Pa].
+Material sand(double E) {
+  MohrCoulomb law{};
+  law.E = E;
+  law.nu = 0.3;
+  law.phi = 30 * degree;
+  law.prepare();
+  return {"sand", law, 1000};
+}
+
 /// Sand on a slope with hills, on which Voellmy's friction differs from zone to zone; a side of the domain lets it out.
 Case avalanche() {
   Case case_ = on_terrain();
@@ -527,12 +537,7 @@ Case avalanche() {
   case_.solids = {{"terrain", Ground{ground}, rubs(0.3, 200)}};
   case_.solids[0].zones.number = PlanRaster::of({-5, 0}, 10, 1, 1, 0);
   case_.solids[0].zones.surfaces = {rubs(0.1, 50)};
-  MohrCoulomb sand{};
-  sand.E = 1e6;
-  sand.nu = 0.3;
-  sand.phi = 30 * degree;
-  sand.prepare();
-  case_.materials = {{"sand", sand, 1000}};
+  case_.materials = {sand(1e6)};
   case_.bodies = {layer_on(ground, {{-0.3, -0.3, 0}, {0.4, 0.3, 0}}, 2 * cell)};
   case_.bodies[0].velocity = {1.5, 0.4, -0.9};
   case_.walls[1] = WallKind::outflow;
@@ -548,12 +553,7 @@ TEST(InAGully, NoParticleSinksMuchMoreThanACell) {
   const auto ground = terrain_under(
       case_.domain, [](double, double y) { return 2 * std::abs(y - 0.01); }, 0.5 * cell);
   case_.solids = {{"terrain", Ground{ground}, rubs(0.2)}};
-  MohrCoulomb sand{};
-  sand.E = 1e5;
-  sand.nu = 0.3;
-  sand.phi = 30 * degree;
-  sand.prepare();
-  case_.materials = {{"sand", sand, 1000}};
+  case_.materials = {sand(1e5)};
   case_.bodies = {layer_on(ground, {{-0.1, -0.025, 0}, {0.1, 0.025, 0}}, 0.5 * cell)};
   const auto deepest = [&](bool shifts) {
     case_.numerics.particle_shifting = shifts;

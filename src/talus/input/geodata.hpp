@@ -83,6 +83,7 @@ struct GeoLine {
 /// Reads the one line of a shapefile, a GeoPackage or a GeoJSON.
 GeoLine read_line(const std::string& path);
 
+/// The same with its holes filled.
 GeoPolygon without_holes(const GeoPolygon& polygon);
 /// Area, less the holes [m2].
 double area(const GeoPolygon& polygon);

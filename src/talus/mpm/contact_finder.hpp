@@ -80,19 +80,19 @@ class ContactFinder {
       return displacement;
     }
 
-    /// How far a point that has sunk more than a cell into a terrain is to rise: to that depth below the plane that touches
+    /// How far a point that has sunk more than a cell into a terrain is to rise [m]: to that depth below the plane that touches
     /// the ground above it, by a tenth of a cell at most. Contacts act at nodes, half a cell from the surface at most. In a
     /// gully as narrow as a cell each flank leaves the other's material a part of its fall, which lets it sink at a speed of
     /// about g dt, and in a ridge both flanks let it fall along them.
-    Vec<3> rise(const Vec<3>& x) const {
+    double rise(const Vec<3>& x) const {
       const double h = finder_.domain_.h;
-      Vec<3> up{};
+      double up = 0;
       for (const Beside& beside : solids_) {
         const auto* ground = std::get_if<Ground>(&beside.solid->shape);
         if (!ground) continue;
         const TerrainPlace above = ground->surface->at(x[0], x[1]);
         const double depth = (above.height - x[2]) * above.cosine();
-        up[Dim - 1] = std::max(up[Dim - 1], std::clamp(depth - h, 0.0, 0.1 * h));
+        up = std::max(up, std::clamp(depth - h, 0.0, 0.1 * h));
       }
       return up;
     }

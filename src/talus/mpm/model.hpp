@@ -148,18 +148,12 @@ struct Model {
   /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
   template <class F>
   TileSums over_tiles(F f) {
-    return over_tiles(static_cast<const typename Grid<Dim, Shape>::template Windows<MassMomentum>*>(nullptr), f);
+    return add_up(f, [&](const auto& each) { backend.for_each(shares, each); });
   }
   /// The same for an f that fills windows, unless they are null.
   template <class Windows, class F>
   TileSums over_tiles(const Windows* windows, F f) {
-    std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
-    const auto with_sums = [&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); };
-    if (windows)
-      fill_windows(*windows, with_sums);
-    else
-      backend.for_each(shares, with_sums);
-    return reduce(backend, halo, grid.tiles(), parts);
+    return windows ? add_up(f, [&](const auto& each) { fill_windows(*windows, each); }) : over_tiles(f);
   }
 
   /// What surfaces have given in this step, added up in the order of the tiles, whoever ran them; the tiles begin anew.
@@ -205,6 +199,12 @@ struct Model {
   }
 
  private:
+  template <class F, class Loop>
+  TileSums add_up(F& f, Loop loop) {
+    std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
+    loop([&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); });
+    return reduce(backend, halo, grid.tiles(), parts);
+  }
   template <class F>
   void for_each_of(const TileLoop& loop, F& f) {
     backend.for_each(loop.shares, [&](int i, int worker) { f(loop.tiles[std::size_t(i)], worker); });

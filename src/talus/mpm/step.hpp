@@ -159,11 +159,13 @@ class Stepper final : public Simulation {
       if (model_.numerics.particle_splitting) refinement_.stretch(model_, carried_.unstretched + dt);
       carried_.unstretched = -dt;  // the step's own length is added at its end
     }
-    if (model_.numerics.particle_shifting && (is_in_windows || model_.contact_finder.has_ground())) {
-      const TileSums sums = is_in_windows ? shift_.apply(model_, ledger_.time) : shift_.lift(model_, ledger_.time);
+    if (model_.numerics.particle_shifting && is_in_windows) {
+      const TileSums sums = shift_.apply(model_, ledger_.time);
       ledger_.add_shift(sums);
       expect_inside(sums);
     }
+    if (model_.numerics.particle_shifting && model_.contact_finder.has_ground())
+      ledger_.add_shift(lift_from_ground(model_, ledger_.time));
     ++carried_.n_rearranged;
     if (model_.numerics.particle_splitting && is_in_windows &&
         std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {

@@ -593,32 +593,27 @@ class MapPage {
     }
   }
 
-  void write_zones() {
-    std::string text = "# outlines of zones: east [m], north [m]\n";
+  /// Draws the outlines of areas: in white, then `inner` on it.
+  void write_areas(const std::vector<MapArea>& areas, const std::string& ending, const std::string& what,
+                   double white_width, const std::string& inner) {
+    std::string text = fmt::format("# outlines of {}: east [m], north [m]\n", what);
     bool any = false;
-    for (const MapArea& zone : picture_.zones)
-      for (const PlanLine& line : zone.outlines) {
+    for (const MapArea& area : areas)
+      for (const PlanLine& line : area.outlines) {
         append_line(text, line, 0, line.size() - 1);
         any = true;
       }
     if (!any) return;
-    write_whole(file("_zones.txt"), text);
-    add_plot(fmt::format("{} with lines lw 3.6 lc '#ffffff'", quoted("_zones.txt")));
-    add_plot(fmt::format("{} with lines lw 1.8 dt (5,8) lc '{}'", quoted("_zones.txt"), zone_colour));
+    write_whole(file(ending), text);
+    add_plot(fmt::format("{} with lines lw {} lc '#ffffff'", quoted(ending), white_width));
+    add_plot(quoted(ending) + " with lines " + inner);
   }
-
+  void write_zones() {
+    write_areas(picture_.zones, "_zones.txt", "zones", 3.6, fmt::format("lw 1.8 dt (5,8) lc '{}'", zone_colour));
+  }
   void write_solids() {
-    std::string text = "# outlines of solids above the ground: east [m], north [m]\n";
-    bool any = false;
-    for (const MapArea& solid : picture_.solids)
-      for (const PlanLine& line : solid.outlines) {
-        append_line(text, line, 0, line.size() - 1);
-        any = true;
-      }
-    if (!any) return;
-    write_whole(file("_solids.txt"), text);
-    add_plot(fmt::format("{} with lines lw 4.5 lc '#ffffff'", quoted("_solids.txt")));
-    add_plot(fmt::format("{} with lines lw 2.2 lc '{}'", quoted("_solids.txt"), solid_colour));
+    write_areas(picture_.solids, "_solids.txt", "solids above the ground", 4.5,
+                fmt::format("lw 2.2 lc '{}'", solid_colour));
   }
 
   void write_thalweg() {
@@ -764,15 +759,14 @@ class MapPage {
     constexpr std::size_t most_zones = 4;
     const std::string dashes = fmt::format("lw 1.8 dt (5,8) lc '{}'", zone_colour);
     std::vector<std::string> zones;
+    const auto is_area_seen = [&](const MapArea& area) {
+      return std::any_of(area.outlines.begin(), area.outlines.end(), [&](const PlanLine& l) { return is_seen(l); });
+    };
     for (const MapArea& zone : picture_.zones)
-      if (std::any_of(zone.outlines.begin(), zone.outlines.end(), [&](const PlanLine& l) { return is_seen(l); }))
-        zones.push_back(zone.name);
+      if (is_area_seen(zone)) zones.push_back(zone.name);
     if (zones.size() > most_zones) zones = {fmt::format("{} zones", zones.size())};
     for (const std::string& name : zones) entry(name, dashes);
-    if (std::any_of(picture_.solids.begin(), picture_.solids.end(), [&](const MapArea& solid) {
-          return std::any_of(solid.outlines.begin(), solid.outlines.end(),
-                             [&](const PlanLine& l) { return is_seen(l); });
-        }))
+    if (std::any_of(picture_.solids.begin(), picture_.solids.end(), is_area_seen))
       entry("Solid", fmt::format("lw 2.2 lc '{}'", solid_colour));
     if (is_seen(picture_.thalweg))
       entry(picture_.thalweg_width > 0 ? fmt::format("Thalweg, strip of {} m", three_digits(picture_.thalweg_width))

@@ -1,11 +1,29 @@
 #pragma once
-/// Particle shifting (kernel/shift.hpp).
+/// Particle shifting (kernel/shift.hpp), and particles that have sunk into a terrain.
 
 #include "talus/mpm/kernel/shift.hpp"
 #include "talus/mpm/stage/velocities.hpp"
 #include "talus/mpm/stress_update.hpp"
 
 namespace talus {
+
+/// Lifts the particles of bodies that flow out of ground that they have sunk into. Returns what particles hold.
+template <int Dim, class Shape>
+TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
+  return m.over_tiles([&](int t, int, TileSums& sums) {
+    if (!m.has_particles(t)) return;
+    const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
+    m.for_each_body(t, [&](auto& body, const auto& points) {
+      if (keeps_neighbours(body.law)) return;
+      for (int i = points.range.begin; i < points.range.end; ++i) {
+        Vec<3> x{};
+        for (int a = 0; a < Dim; ++a) x[a] = points.particles.position(a)[i];
+        points.particles.position(Dim - 1)[i] += solids.rise(x);
+      }
+    });
+    add_up_particles_of_tile(m, t, sums);
+  });
+}
 
 /// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift, in the rooms of the
 /// grid's arrays, whose values are lost.
@@ -14,8 +32,8 @@ class ParticleShift {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Moves the particles of bodies that flow, but not into solids as they stand at that time, and out of ground that they
-  /// have sunk into. Returns what particles hold.
+  /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
+  /// hold.
   TileSums apply(Model<Dim, Shape>& m, double time) {
     windows_ = m.grid.template in_room_of_windows<double>();
     volume_ = m.grid.template in_room_of_nodes<double>();
@@ -44,24 +62,6 @@ class ParticleShift {
     });
   }
 
-  /// Moves particles only out of ground that they have sunk into, wherever they are. Returns what particles hold.
-  TileSums lift(Model<Dim, Shape>& m, double time) {
-    return m.over_tiles([&](int t, int, TileSums& sums) {
-      if (!m.has_particles(t)) return;
-      const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
-      m.for_each_body(t, [&](auto& body, const auto& points) {
-        if (keeps_neighbours(body.law)) return;
-        for (int i = points.range.begin; i < points.range.end; ++i) {
-          Vec<3> x{};
-          for (int a = 0; a < Dim; ++a) x[a] = points.particles.position(a)[i];
-          const Vec<3> up = solids.rise(x);
-          for (int a = 0; a < Dim; ++a) points.particles.position(a)[i] += up[a];
-        }
-      });
-      add_up_particles_of_tile(m, t, sums);
-    });
-  }
-
  private:
   void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker) {
     if (!m.has_particles(t)) return;
@@ -78,9 +78,7 @@ class ParticleShift {
     double excess[Layout::n_window];
     m.window_of(t, excess_, excess);
     auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
-    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) {
-      return solids.limited(x, shift) + solids.rise(x);
-    };
+    const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
       if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, length, beside_solids);
