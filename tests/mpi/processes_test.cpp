@@ -134,9 +134,12 @@ class Launched {
     std::vector<char*> argv;
     for (std::string& w : words) argv.push_back(w.data());
     argv.push_back(nullptr);
+    const int out = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);  // nobody reads what a run before wrote
     pid_ = ::fork();
-    if (pid_ != 0) return;
-    const int out = ::open(log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0644);
+    if (pid_ != 0) {
+      ::close(out);
+      return;
+    }
     ::dup2(out, 1);
     ::dup2(out, 2);
     ::execvp("mpirun", argv.data());
