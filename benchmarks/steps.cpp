@@ -4,7 +4,6 @@
 /// on a machine can only slow it down. Rates a CPU-second count the processor time of all threads; for them to mean
 /// work, threads that wait must soon sleep, as they do in talus (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
 
-#include <cxxabi.h>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -12,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -66,11 +64,9 @@ class TimedLoop final : public Backend {
   int phase_of(const std::type_info& type) {
     for (const auto& [known, phase] : known_)
       if (*known == type) return phase;
-    int status = 0;
-    char* name = abi::__cxa_demangle(type.name(), nullptr, nullptr, &status);
+    const std::string_view name = type.name();  // mangled, as not every name of a lambda in a lambda can be demangled
     int phase = 0;
-    while (std::string_view(status == 0 ? name : "").find(phases[phase].function) == std::string_view::npos) ++phase;
-    std::free(name);
+    while (name.find(phases[phase].function) == std::string_view::npos) ++phase;
     known_.emplace_back(&type, phase);
     return phase;
   }

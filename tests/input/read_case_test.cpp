@@ -216,6 +216,11 @@ TEST(ReadCase, ChoicesOfTheSolverThatExcludeEachOtherAreRefused) {
   EXPECT_TRUE(with_numerics("").particle_shifting);
   EXPECT_DOUBLE_EQ(*with_numerics("").shifting_length, 0.002) << "a cell";
   EXPECT_DOUBLE_EQ(*with_numerics("shifting_length = \"8 mm\"").shifting_length, 0.008);
+  EXPECT_EQ(with_numerics("").rest_tolerance, 0) << "nothing is left out";
+  EXPECT_EQ(with_numerics("rest_tolerance = 0.01").rest_tolerance, 0.01);
+  expect_complaint("[run]", "[numerics]\nrest_tolerance = 0.2\n[run]", "0.1");
+  expect_complaint("[run]", "[numerics]\norder = \"musl\"\nrest_tolerance = 0.01\n[run]",
+                   "must be 0 with order = \"musl\"");
   expect_complaint("[run]", "[numerics]\nshifting_length = \"9 mm\"\n[run]", "must be four cells at most, 8 mm");
   expect_complaint("[run]", "[numerics]\nparticle_shifting = false\nshifting_length = \"4 mm\"\n[run]",
                    "has no effect without `particle_shifting`");

@@ -13,6 +13,7 @@
 #include "mpm/saved_state.hpp"
 #include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
+#include "talus/mpm/data/tile_rest.hpp"
 #include "talus/mpm/inspect.hpp"
 
 namespace talus::owners_test {
@@ -324,6 +325,36 @@ TEST(Owners, HaveTheBitsOfOneAroundSolidsThatMoveAndTurn) {
       EXPECT_LT(ledger.wall_work, 0) << "the ball has pushed";
       EXPECT_FALSE(one.saved.at("closed contacts").empty());
     }
+}
+
+TEST(Owners, HaveTheBitsOfOneWhereGroundRestsUntilABlockRunsIntoIt) {
+  for (const Kind kind : {Kind::plane_strain, Kind::three_dimensional}) {
+    Case what = running_block(kind, case_1());
+    const int up = kind == Kind::plane_strain ? 1 : 2;
+    what.bodies[0].velocity[0] = 5;
+    BodySpec bed = what.bodies[0];
+    bed.name = "bed";
+    bed.region = up == 1 ? Box{{2.6, 0, 0}, {4, 0.2, 0}} : Box{{2.6, 0, 0}, {4, 0.8, 0.2}};
+    bed.velocity = {};
+    what.bodies.push_back(bed);
+    what.walls[std::size_t(2 * up)] = WallKind::no_slip;
+    what.numerics.rest_tolerance = 0.05;
+    const double asleep = 0.24, hit = 0.4;  // sqrt(h/g) is 0.1 s; the block has 1.6 m to go
+    const int before = steps_until(what, asleep), after = steps_until(what, hit);
+    const Result resting = expect_same_bits(what, before, std::to_string(int(kind)));
+    const auto n_asleep = [](const Result& r) {
+      constexpr std::size_t n = 1 + sizeof(RestState) / sizeof(double);
+      const std::vector<double>& all = r.saved.at("resting tiles");
+      int sum = 0;
+      for (std::size_t i = 0; i < all.size(); i += n) sum += int(all[i + 2]);
+      return sum;
+    };
+    EXPECT_GT(n_asleep(resting), 2);
+    const Result pushed = expect_same_bits(what, after, std::to_string(int(kind)));
+    EXPECT_LT(n_asleep(pushed), n_asleep(resting));
+    const std::vector<Result> resumed = of_owners(3, what, after - before, &resting.saved);
+    EXPECT_EQ(difference(pushed, resumed[0]), "");
+  }
 }
 
 TEST(Owners, HaveTheBitsOfOneUnderLoads) {

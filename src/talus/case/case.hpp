@@ -160,6 +160,8 @@ struct Numerics {
   bool particle_shifting = true;
   std::optional<double> shifting_length;  ///< of `particle_shifting` [m]; by default a cell
   bool particle_splitting = false;        ///< of materials that flow; and merging
+  /// Displacement in cells, in the time sqrt(h/g), below which material rests and is left out of steps; 0: none is.
+  double rest_tolerance = 0;
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};

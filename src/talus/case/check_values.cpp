@@ -147,6 +147,7 @@ void check_numbers_of_numerics(const Case& case_, std::vector<Mistake>& mistakes
   check_number(section, keys::tolerance, n.integration.tolerance);
   check_number(section, keys::bulk_viscosity, n.bulk_viscosity);
   check_number(section, keys::shifting_length, n.shifting_length);
+  check_number(section, keys::rest_tolerance, n.rest_tolerance);
   check_number(section, keys::cfl, n.cfl);
   check_number(section, keys::stiffness_factor, n.stiffness_factor);
   check_number(section, keys::dt, n.dt);

@@ -58,6 +58,10 @@ inline constexpr Parameter bulk_viscosity{
 inline constexpr Parameter shifting_length{"shifting_length", "m", Range::positive(),
                                            "length that sets how fast particle shifting spreads a crowd, at most four "
                                            "cells; the same length on all cells corrects as much"};
+inline constexpr Parameter rest_tolerance{
+    "rest_tolerance", "1", Range::between(0, 0.1),
+    "displacement in cells, in the time sqrt(h/g), below which material is at rest and left out of steps until it is "
+    "pushed; 0: all material is in every step"};
 inline constexpr Parameter stiffness_factor{
     "stiffness_factor",
     "1",

@@ -52,13 +52,14 @@ void read_integration(Section& s, Integration& integration) {
 
 const Declaration& numerics_declaration() {
   static const Declaration d(
-      "[numerics]", {optional(keys::preset), optional(shape), optional(transfer),
-                     optional(keys::tau).with("transfer", transfers_with_tau(true)),
-                     optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order),
-                     optional(f_bar), optional(average_pressure), optional(keys::bulk_viscosity),
-                     optional(particle_shifting), optional(keys::shifting_length), optional(particle_splitting),
-                     optional(integrator), optional(keys::tolerance).with("integrator", {"modified_euler"}),
-                     optional(keys::dt), optional(keys::cfl), optional(keys::stiffness_factor)});
+      "[numerics]",
+      {optional(keys::preset), optional(shape), optional(transfer),
+       optional(keys::tau).with("transfer", transfers_with_tau(true)),
+       optional(keys::flip_share).with("transfer", transfers_with_tau(false)), optional(order), optional(f_bar),
+       optional(average_pressure), optional(keys::bulk_viscosity), optional(particle_shifting),
+       optional(keys::shifting_length), optional(particle_splitting), optional(keys::rest_tolerance),
+       optional(integrator), optional(keys::tolerance).with("integrator", {"modified_euler"}), optional(keys::dt),
+       optional(keys::cfl), optional(keys::stiffness_factor)});
   return d;
 }
 
@@ -80,6 +81,7 @@ void read_numerics(Section& s, Case& case_) {
   n.shifting_length = n.particle_shifting ? s.number(keys::shifting_length, case_.cell, "a cell")
                                           : s.optional_number(keys::shifting_length);
   n.particle_splitting = s.flag(particle_splitting, n.particle_splitting);
+  n.rest_tolerance = s.number(keys::rest_tolerance, n.rest_tolerance);
   read_integration(s, n.integration);
   if (n.dt)
     n.dt = s.number(keys::dt, *n.dt, "as in the paper");

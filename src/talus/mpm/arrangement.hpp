@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
 
+#include "talus/base/image.hpp"
 #include "talus/mpm/migration.hpp"
 #include "talus/mpm/model.hpp"
 
@@ -54,17 +56,71 @@ std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
   return all;
 }
 
+/// The numbers of tiles here.
+template <int Dim, class Shape>
+std::map<Index<Dim>, int> tiles_by_place(const Model<Dim, Shape>& m) {
+  std::map<Index<Dim>, int> at;
+  for (int t = 0; t < m.grid.n_tiles(); ++t) at.emplace(m.grid.tile(t).place, t);
+  return at;
+}
+
 /// Restores closed contacts of the tiles of this owner. Contacts of tiles that no longer exist are dropped.
 template <int Dim, class Shape>
 void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<Dim>>& closed) {
-  std::vector<std::pair<Index<Dim>, int>> at;  // place and number here
-  if (!closed.empty())
-    for (int t = 0; t < m.grid.n_tiles(); ++t) at.emplace_back(m.grid.tile(t).place, t);
-  std::sort(at.begin(), at.end());
+  if (closed.empty()) return;
+  const std::map<Index<Dim>, int> at = tiles_by_place(m);
   for (const ClosedContact<Dim>& c : closed) {
-    const auto found = std::lower_bound(at.begin(), at.end(), std::pair(c.tile, 0));
-    if (found == at.end() || found->first != c.tile) continue;
+    const auto found = at.find(c.tile);
+    if (found == at.end()) continue;
     m.contacts[std::size_t(found->second)].push_back(closed_contact(c.node, c.surface, c.sticks));
+  }
+}
+
+/// The rest of a tile, of any owner.
+template <int Dim>
+struct RestingTile {
+  Index<Dim> tile;
+  long tile_number;    ///< in the run
+  double n_particles;  ///< in the tile
+  RestState state;
+};
+
+/// Of the tiles of all owners whose particles are slow, in the order of tiles.
+template <int Dim, class Shape>
+std::vector<RestingTile<Dim>> resting_tiles(const Model<Dim, Shape>& m) {
+  std::vector<RestingTile<Dim>> all;
+  if (m.rests.empty()) return all;
+  Message mine;
+  for (std::size_t t = 0; t < m.rests.size(); ++t) {
+    const RestState& state = m.rests[t].state;
+    if (!m.has_particles(int(t)) || (state.quiet == 0 && state.is_asleep == 0)) continue;
+    const Index<Dim>& place = m.grid.tile(int(t)).place;
+    mine.insert(mine.end(), place.begin(), place.end());
+    mine.insert(mine.end(), {double(m.halo.number[t]), double(m.n_particles_of(int(t)))});
+    const std::vector<double> numbers = image_of(state);
+    mine.insert(mine.end(), numbers.begin(), numbers.end());
+  }
+  constexpr std::size_t n = sizeof(RestState) / sizeof(double);
+  for (const Message& rows : m.backend.gather(mine))
+    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += Dim + 2 + n) {
+      RestingTile<Dim> r{{}, long(row[Dim]), row[Dim + 1], {}};
+      for (int a = 0; a < Dim; ++a) r.tile[a] = int(row[a]);
+      set_from_image(r.state, {row + Dim + 2, row + Dim + 2 + n});
+      all.push_back(r);
+    }
+  std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile_number < b.tile_number; });
+  return all;
+}
+
+/// Restores the rest of the tiles of this owner; a particle that has entered ends it.
+template <int Dim, class Shape>
+void set_resting_tiles(Model<Dim, Shape>& m, const std::vector<RestingTile<Dim>>& resting) {
+  if (resting.empty()) return;
+  const std::map<Index<Dim>, int> at = tiles_by_place(m);
+  for (const RestingTile<Dim>& r : resting) {
+    const auto found = at.find(r.tile);
+    if (found == at.end() || !m.has_particles(found->second)) continue;
+    if (r.n_particles == double(m.n_particles_of(found->second))) m.rests[std::size_t(found->second)].state = r.state;
   }
 }
 
@@ -115,6 +171,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   m.grid.set_tiles(std::move(tiles), std::move(run.cells));
   m.walls->rest_on(m.grid.tiles());
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
+  m.rests.assign(m.numerics.rest_tolerance > 0 ? std::size_t(m.grid.n_tiles()) : 0, {});
   m.accounts.assign(std::size_t(m.grid.n_tiles()), {});
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);
@@ -158,6 +215,7 @@ void measure_costs(Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 void arrange(Model<Dim, Shape>& m) {
   const auto closed = closed_contacts(m);
+  const auto resting = resting_tiles(m);
   wrap_periodic(m.bodies, m.domain);
   measure_costs(m);
   OccupiedTiles<Dim> own = occupied_tiles(m.bodies, m.domain);
@@ -174,6 +232,7 @@ void arrange(Model<Dim, Shape>& m) {
   }
   settle_on_grid(m, std::move(run));
   set_closed_contacts(m, closed);
+  set_resting_tiles(m, resting);
 }
 
 }  // namespace talus

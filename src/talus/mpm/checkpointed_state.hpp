@@ -157,6 +157,15 @@ std::vector<StateArray> save(const Model<Dim, Shape>& m, const Ledger& ledger, c
   for (const ClosedContact<Dim>& c : closed_contacts(m))
     closed.insert(closed.end(), {double(c.tile_number), double(c.node), double(c.surface), double(c.sticks)});
   add("closed contacts", std::move(closed));
+  if (!m.rests.empty()) {
+    std::vector<double> resting;
+    for (const RestingTile<Dim>& r : resting_tiles(m)) {
+      const std::vector<double> numbers = image_of(r.state);
+      resting.push_back(double(r.tile_number));
+      resting.insert(resting.end(), numbers.begin(), numbers.end());
+    }
+    add("resting tiles", std::move(resting));
+  }
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
     const auto order = std::make_shared<const ParticleOrder>(m, m.bodies[b]);
     add(fmt::format("body {}: first particles of tiles", b), order->begins());
@@ -300,6 +309,15 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
     if (tile == m.halo.number.end() || *tile != long(closed[i])) continue;  // another owner's
     m.contacts[std::size_t(tile - m.halo.number.begin())].push_back(
         closed_contact(int(closed[i + 1]), int(closed[i + 2]), closed[i + 3] != 0));
+  }
+  if (m.rests.empty()) return;
+  constexpr std::size_t n = sizeof(RestState) / sizeof(double);
+  const std::vector<double> resting = read_all(read, "resting tiles");
+  for (std::size_t i = 0; i + n < resting.size(); i += n + 1) {
+    const auto tile = std::lower_bound(m.halo.number.begin(), m.halo.number.end(), long(resting[i]));
+    if (tile == m.halo.number.end() || *tile != long(resting[i])) continue;  // another owner's
+    const auto first = resting.begin() + std::ptrdiff_t(i + 1);
+    set_from_image(m.rests[std::size_t(tile - m.halo.number.begin())].state, {first, first + std::ptrdiff_t(n)});
   }
 }
 

@@ -63,6 +63,7 @@ void Ledger::add_motion(const TileSums& particles, double step_length) {
   numerical += potential;
   set_particles(particles);
   wall_impulse = wall_impulse + step_length * particles.vector(Sum::wall_impulse);
+  rest_impulse = rest_impulse + particles.vector(Sum::rest_impulse);
   numerical -= kinetic + potential;
   load_work += step_length * particles[Sum::load_power];
   numerical +=

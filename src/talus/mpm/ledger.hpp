@@ -72,6 +72,7 @@ struct Ledger {
   Vec<3> gravity_impulse{};    ///< impulse of gravity [N s]
   double load_work = 0;        ///< of loads on sides of bodies since the start
   Vec<3> load_impulse{};       ///< impulse of loads [N s]
+  Vec<3> rest_impulse{};       ///< impulse of the rest of tiles that are left out (`rest_tolerance`) [N s]
   Outflow outflow;             ///< through `outflow` sides
   double initial = 0;          ///< kinetic, potential and elastic energy at the start
   double initial_elastic = 0;  ///< the elastic part of it

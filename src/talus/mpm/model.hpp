@@ -12,6 +12,7 @@
 #include "talus/mpm/data/body.hpp"
 #include "talus/mpm/data/grid.hpp"
 #include "talus/mpm/data/scratch.hpp"
+#include "talus/mpm/data/tile_rest.hpp"
 #include "talus/mpm/halo.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/kernel/mass_and_momentum.hpp"
@@ -125,6 +126,7 @@ struct Model {
   std::optional<Walls<Dim>> walls;
   std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
   std::vector<TileAccounts> accounts;                 ///< of this step, tile by tile
+  std::vector<TileRest> rests;                        ///< tile by tile; empty without `rest_tolerance`
   Shares shares;                                      ///< the tiles, dealt out to threads
   TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                       ///< one a thread
@@ -166,6 +168,13 @@ struct Model {
 
   /// Whether a tile has particles of this owner.
   bool has_particles(int t) const { return grid.tile(t).occupied && grid.tile(t).owned; }
+  int n_particles_of(int t) const {
+    int n = 0;
+    for (const auto& body : bodies) n += body.tiles[std::size_t(t)].size();
+    return n;
+  }
+  /// Whether a tile is left out of steps because its material rests.
+  bool is_left_out(int t) const { return !rests.empty() && rests[std::size_t(t)].is_left_out(); }
   TilePoints<Dim, Shape> points(const ShapedBody<Dim, Shape>& body, int t) const {
     return points_of(body, grid.tile(t), t);
   }

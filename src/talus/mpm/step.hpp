@@ -19,6 +19,7 @@
 #include "talus/mpm/stage/motion.hpp"
 #include "talus/mpm/stage/outflow.hpp"
 #include "talus/mpm/stage/refinement.hpp"
+#include "talus/mpm/stage/rest.hpp"
 #include "talus/mpm/stage/shift.hpp"
 #include "talus/mpm/stage/stresses.hpp"
 #include "talus/mpm/time_step.hpp"
@@ -86,6 +87,7 @@ class Stepper final : public Simulation {
     std::size_t b = model_.grid.bytes() + filter_.bytes() + refinement_.bytes();
     for (const auto& body : model_.bodies)
       b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
+    for (const TileRest& rest : model_.rests) b += rest.bytes();
     return b;
   }
   Share share() const override {
@@ -104,6 +106,7 @@ class Stepper final : public Simulation {
   void restore(const ReadArray& read) override {
     talus::restore(model_, ledger_, tally_, carried_, read);
     restore_surfaces(surfaces_, read);
+    rest_again(model_);
     add_momentum(model_);
   }
 
@@ -145,6 +148,7 @@ class Stepper final : public Simulation {
     const bool rearranges = carried_.drift > largest_drift;
     const TileSums sums = move_particles(model_, step, rearranges);
     ledger_.add_motion(sums, step.dt);
+    tally_.rest_share += sums[Sum::asleep] / double(std::max(1L, model_.n_particles));
     add_up_surfaces();
     expect_inside(sums);
     if (rearranges) rearrange(step.dt);
@@ -177,6 +181,7 @@ class Stepper final : public Simulation {
     arrange(model_);
     carried_.drift = 0;
     if (falls_round()) ledger_.add_periods(add_up_particles(model_));
+    rest_again(model_);
     add_momentum(model_);
   }
   void expect_inside(const TileSums& sums) {

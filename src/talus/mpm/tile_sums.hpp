@@ -10,29 +10,31 @@ namespace talus {
 
 /// List of all sums over tiles. Energies and work in J.
 enum class Sum {
-  mass,                          ///< of the particles [kg]
-  momentum,                      ///< of the particles [kg m/s], three numbers
-  kinetic = momentum + 3,        ///< of the particles
-  potential,                     ///< of the particles
-  elastic,                       ///< of the particles
-  averaging,                     ///< elastic energy lost in this step by averaging of compression
-  internal_work,                 ///< of the stress on the particles' strain in this step
-  plastic_work,                  ///< the part of it turned into heat by friction
-  collisional_work,              ///< the part of it done against collisional stress
-  returned_work,                 ///< work that collisions returned to shear in this step, summed over particles
-  viscous_work,                  ///< of the bulk viscosity's pressure, on the same strain
-  grid_work,                     ///< of the same stress on the motion of the nodes in this step
-  gravity_work,                  ///< on the motion of the nodes in this step
-  held_kinetic,                  ///< of the nodes before the step
-  new_kinetic,                   ///< of the nodes after the step
-  wall_impulse,                  ///< impulse of walls and solids on nodes [kg m/s], or force [N]; three numbers
-  wall_work = wall_impulse + 3,  ///< work on moving solids in this step
-  wall_friction,                 ///< frictional heat at walls and solids
-  load_power,                    ///< of loads on sides of bodies [W]
-  load_force,                    ///< of these loads [N], three numbers
-  separated = load_force + 3,    ///< number of particles whose grains have moved apart
-  unconverged,                   ///< number of particles whose stress update did not converge
-  faulty,                        ///< number of particles that are not finite or have left the domain
+  mass,                           ///< of the particles [kg]
+  momentum,                       ///< of the particles [kg m/s], three numbers
+  kinetic = momentum + 3,         ///< of the particles
+  potential,                      ///< of the particles
+  elastic,                        ///< of the particles
+  averaging,                      ///< elastic energy lost in this step by averaging of compression
+  internal_work,                  ///< of the stress on the particles' strain in this step
+  plastic_work,                   ///< the part of it turned into heat by friction
+  collisional_work,               ///< the part of it done against collisional stress
+  returned_work,                  ///< work that collisions returned to shear in this step, summed over particles
+  viscous_work,                   ///< of the bulk viscosity's pressure, on the same strain
+  grid_work,                      ///< of the same stress on the motion of the nodes in this step
+  gravity_work,                   ///< on the motion of the nodes in this step
+  held_kinetic,                   ///< of the nodes before the step
+  new_kinetic,                    ///< of the nodes after the step
+  wall_impulse,                   ///< impulse of walls and solids on nodes [kg m/s], or force [N]; three numbers
+  wall_work = wall_impulse + 3,   ///< work on moving solids in this step
+  wall_friction,                  ///< frictional heat at walls and solids
+  load_power,                     ///< of loads on sides of bodies [W]
+  load_force,                     ///< of these loads [N], three numbers
+  rest_impulse = load_force + 3,  ///< on particles by the rest of tiles that are left out [kg m/s], three numbers
+  asleep = rest_impulse + 3,      ///< number of particles in these tiles
+  separated,                      ///< number of particles whose grains have moved apart
+  unconverged,                    ///< number of particles whose stress update did not converge
+  faulty,                         ///< number of particles that are not finite or have left the domain
   count
 };
 

@@ -74,6 +74,7 @@ struct StepTally {
   double shortest = std::numeric_limits<double>::infinity(), longest = 0, sum = 0;  ///< of the steps [s]
   /// For steps limited by waves and motion: sums of the speeds [m/s], and of the share of waves in them.
   double wave_speed = 0, speed = 0, wave_share = 0;
+  double rest_share = 0;  ///< sum over the steps of the share of particles in tiles that were left out
 
   void add(const BoundedStep& step, const StepBounds& b) {
     ++held[int(step.bound)];
@@ -94,6 +95,8 @@ struct StepTally {
   double mean() const { return sum / double(std::max(1L, n())); }
   /// Share of all steps determined by a bound.
   double share(Bound bound) const { return double(held[int(bound)]) / double(std::max(1L, n())); }
+  /// Mean share of particles in tiles that were left out.
+  double mean_rest() const { return rest_share / double(std::max(1L, n())); }
   /// Mean of a sum over the steps limited by waves and motion.
   double mean_of(double sum_over_steps) const {
     return sum_over_steps / double(std::max(1L, held[int(Bound::waves_and_motion)]));

@@ -37,6 +37,7 @@ std::string notice_of_preset(const Case& case_) {
   note(bulk_viscosity_of(n) > 0, "bulk viscosity");
   note(n.particle_shifting, "particle shifting");
   note(n.particle_splitting, "particle splitting");
+  note(n.rest_tolerance > 0, "rest of tiles");
   note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
   for (const Material& m : case_.materials)
     std::visit(
@@ -110,6 +111,7 @@ std::string in_words(const StepTally& t) {
       text += fmt::format(" (wave speed {:.3g} m/s, particle speed {:.2g} m/s)", t.mean_of(t.wave_speed),
                           t.mean_of(t.speed));
   }
+  if (t.mean_rest() > 0) text += fmt::format("; {:.0f} % of the particles at rest, left out", 100 * t.mean_rest());
   return text;
 }
 

@@ -86,6 +86,9 @@ void add_ledger(const RunSummary& run, Json& record) {
                          {"elastic_joule", l.outflow.elastic}};
   if (!run.outflow.empty()) record["outflow"]["places"] = places_in_json(run.outflow);
   if (l.n_split + l.n_merged > 0) record["splitting"] = {{"split", l.n_split}, {"merged", l.n_merged}};
+  if (run.tally.mean_rest() > 0)
+    record["rest"] = {{"mean_share_of_particles_left_out", run.tally.mean_rest()},
+                      {"impulse_newton_second", vector(l.rest_impulse)}};
   record["wall_impulse_newton_second"] = vector(l.wall_impulse);
 }
 

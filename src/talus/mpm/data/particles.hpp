@@ -22,7 +22,7 @@ struct ParticleMemory {
   int n_state = 0;
   bool moment = false;    ///< transfer `apic`
   bool gradient = false;  ///< transfer `tpic`
-  bool modulus = false;   ///< order `musl`
+  bool modulus = false;   ///< order `musl`, or tiles at rest that are left out
   int loads = 0;          ///< number of loads on sides of the body
   bool extent = false;    ///< of particles that are split and merged
 };

@@ -53,7 +53,8 @@ class VelocityFilter {
       for_each_in_window<Dim, Shape>(
           m.grid.tile(t), [&](std::size_t node, int w) { fits[w] = fits_.data()[node].fit; },
           [&](int w) { fits[w] = {}; });
-      m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
+      if (!m.is_left_out(t))
+        m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
       add_up_particles_of_tile(m, t, sums);
       add_momentum_of_tile(m, t);
     });
@@ -87,6 +88,7 @@ class VelocityFilter {
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
       if (!m.has_particles(t)) return;
       clear_window<Dim, Shape>(windows_.of(t));
+      if (m.is_left_out(t)) return;
       m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<octet>(p, m.domain, windows_.of(t)); });
     });
     exchange_windows(m.backend, m.halo, windows_);

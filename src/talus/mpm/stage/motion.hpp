@@ -2,7 +2,7 @@
 /// New velocities and places of particles.
 
 #include "talus/mpm/kernel/advance.hpp"
-#include "talus/mpm/stage/stresses.hpp"
+#include "talus/mpm/stage/rest.hpp"
 
 namespace talus {
 
@@ -64,15 +64,21 @@ template <int Dim, class Shape>
 TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
-  return m.over_tiles(rearranged ? nullptr : &m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
+  return m.over_tiles(rearranged ? nullptr : &m.grid.momentum_windows, [&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
-    sums[Sum::load_power] += power_of_loads(m, t, step.time);
-    if (stress_first)
-      advance_tile<Advance::both>(m, t, step);
-    else
-      advance_tile<Advance::places>(m, t, step);
+    const bool was_left_out = m.is_left_out(t);
+    if (was_left_out) {
+      resist(m, t, step, sums);
+    } else {
+      sums[Sum::load_power] += power_of_loads(m, t, step.time);
+      if (stress_first)
+        advance_tile<Advance::both>(m, t, step);
+      else
+        advance_tile<Advance::places>(m, t, step);
+    }
     add_up_particles_of_tile(m, t, sums);
+    if (!m.rests.empty() && !was_left_out) watch_rest(m, t, worker, step, sums);
     if (!rearranged && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t);
   });
 }

@@ -25,7 +25,7 @@ class ParticleRefinement {
   /// Deforms the boxes of particles for `time` [s] with the new velocities of the nodes.
   void stretch(Model<Dim, Shape>& m, double time) {
     m.backend.for_each(m.shares, [&](int t, int worker) {
-      if (!m.has_particles(t)) return;
+      if (!m.has_particles(t) || m.is_left_out(t)) return;
       MassVelocity velocity[Layout::n_window];
       m.window_of(t, m.grid.new_velocity, velocity);
       m.for_each_body(t, [&](auto& body, const auto& points) {
@@ -126,7 +126,7 @@ class ParticleRefinement {
     const double most_in_cell = most_in_cell_of<Dim>(body.spacing, m.domain.h);
     std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
     m.backend.for_each(m.shares, [&](int t, int) {
-      if (!m.has_particles(t)) return;
+      if (!m.has_particles(t) || m.is_left_out(t)) return;
       auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];

@@ -14,7 +14,7 @@ TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
     if (!m.has_particles(t)) return;
     const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
     m.for_each_body(t, [&](auto& body, const auto& points) {
-      if (keeps_neighbours(body.law)) return;
+      if (keeps_neighbours(body.law) || m.is_left_out(t)) return;
       for (int i = points.range.begin; i < points.range.end; ++i) {
         Vec<3> x{};
         for (int a = 0; a < Dim; ++a) x[a] = points.particles.position(a)[i];
@@ -57,7 +57,7 @@ class ParticleShift {
     m.walls->extend_evenly(m.backend, excess_.data());
     return m.over_tiles([&](int t, int, TileSums& sums) {
       if (!m.has_particles(t)) return;
-      shift_tile(m, t, time);
+      if (!m.is_left_out(t)) shift_tile(m, t, time);
       add_up_particles_of_tile(m, t, sums);
     });
   }

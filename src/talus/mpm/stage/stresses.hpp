@@ -43,6 +43,12 @@ void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, i
     add_to(window);
   }
 }
+/// Volume times the stress that the states of a tile's particles hold, and their stiffness, into the scratch.
+template <int Dim, class Shape>
+void find_present_stress(const Body<Dim>& body, const TilePoints<Dim, Shape>& points, const ScratchView& s) {
+  present_stress(body.law, points.particles, points.range, s);
+  std::copy_n(points.particles.wave_modulus() + points.range.begin, points.size(), s.stiffness);
+}
 /// f_I of what presses and pulls on the sides of a body in a tile.
 template <int Dim, class Shape>
 void add_loads_of(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, const TilePoints<Dim, Shape>& points, int t,
@@ -87,6 +93,15 @@ class StressTimer {
   std::chrono::steady_clock::time_point start_;
 };
 
+/// The stresses of a tile that is left out are those of the step before.
+template <int Dim, class Shape>
+void keep_stresses(Model<Dim, Shape>& m, int t, TileSums& sums) {
+  const TileRest& rest = m.rests[std::size_t(t)];
+  std::copy(rest.force.begin(), rest.force.end(), m.grid.force_windows.of(t));
+  sums[Sum::elastic] += rest.state.elastic;
+  sums[Sum::separated] += rest.state.separated;
+}
+
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
 TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
@@ -103,6 +118,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles(stress_first ? &m.grid.force_windows : nullptr, [&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
+    if (m.is_left_out(t)) return keep_stresses(m, t, sums);
     std::conditional_t<goes_by_lines<Dim, Shape>, NodeRows<Dim, Shape, Dim>, MassVelocity[Layout::n_window]> velocity;
     if constexpr (goes_by_lines<Dim, Shape>)
       fill_rows<0>(m.grid.tile(t), m.grid.velocity.data(), velocity);
@@ -119,11 +135,14 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
       if (stress_first) {
         add_forces_of(m, points, t, s, std::exchange(first, false));
         add_loads_of(m, body, points, t, step.time, load);
-      } else {
-        std::copy_n(s.stiffness, points.size(), points.particles.wave_modulus() + points.range.begin);
       }
+      if (body.particles.memory().modulus)
+        std::copy_n(s.stiffness, points.size(), points.particles.wave_modulus() + points.range.begin);
     });
     sums.add(Sum::load_force, load);
+    if (m.rests.empty()) return;
+    m.rests[std::size_t(t)].state.elastic = sums[Sum::elastic];
+    m.rests[std::size_t(t)].state.separated = sums[Sum::separated];
   });
 }
 
@@ -137,8 +156,7 @@ TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
     bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
-      present_stress(body.law, points.particles, points.range, s);
-      std::copy_n(points.particles.wave_modulus() + points.range.begin, points.size(), s.stiffness);
+      find_present_stress(body, points, s);
       add_forces_of(m, points, t, s, std::exchange(first, false));
       add_loads_of(m, body, points, t, step.time, load);
     });

@@ -11,6 +11,10 @@ template <int Dim, class Shape>
 void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
   if (!m.has_particles(t)) return;
   MassMomentum* window = m.grid.momentum_windows.of(t);
+  if (m.is_left_out(t)) {
+    std::copy(m.rests[std::size_t(t)].momentum.begin(), m.rests[std::size_t(t)].momentum.end(), window);
+    return;
+  }
   if constexpr (goes_by_lines<Dim, Shape>) {
     SumRows<Dim, Shape> rows;
     rows.clear();

@@ -85,9 +85,12 @@ void set_loaded_areas(Body<Dim>& body, const Case& case_, const Filling& whole, 
 }  // namespace
 
 ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads, bool flows) {
-  return {
-      n_state, numerics.transfer == Transfer::apic, numerics.transfer == Transfer::tpic, numerics.order == Order::musl,
-      n_loads, numerics.particle_splitting && flows};
+  return {n_state,
+          numerics.transfer == Transfer::apic,
+          numerics.transfer == Transfer::tpic,
+          numerics.order == Order::musl || numerics.rest_tolerance > 0,
+          n_loads,
+          numerics.particle_splitting && flows};
 }
 
 double estimated_bytes(const Case& case_, double share) {
