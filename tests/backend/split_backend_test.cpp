@@ -31,6 +31,18 @@ TEST(SplitBackend, WhatIsGatheredComesInTheOrderOfOwnersRoundAfterRound) {
   });
 }
 
+TEST(SplitBackend, SeveralMessagesOfAnyLengthAreGatheredAtOnce) {
+  run_as_owners(3, [](SplitBackend& backend) {
+    const double own = backend.owner();
+    const auto all = gather_several(backend, {{own, 10 + own}, {}, Message(std::size_t(backend.owner()), own)});
+    ASSERT_EQ(all.size(), 3u);
+    EXPECT_EQ(all[0], (std::vector<Message>{{0, 10}, {1, 11}, {2, 12}}));
+    EXPECT_EQ(all[1], (std::vector<Message>{{}, {}, {}}));
+    EXPECT_EQ(all[2], (std::vector<Message>{{}, {1}, {2, 2}}));
+    EXPECT_EQ(backend.n_exchanges(), 1);
+  });
+}
+
 TEST(SplitBackend, WhatWasBegunIsUnderWayWhileOwnersGatherOtherThingsAndIsReceivedOnce) {
   run_as_owners(3, [](SplitBackend& backend) {
     const double own = backend.owner();

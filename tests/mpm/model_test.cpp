@@ -32,9 +32,10 @@ TEST(Model, SumsOverTilesAreAddedInTheirOrder) {
   SmallModel<> small(unit_cells<2>(16), {{1, 1}, {9, 9}, {13, 13}});
   arrange(small.model);
   ASSERT_EQ(small.model.grid.n_tiles(), 3);
-  const TileSums total = small.model.over_tiles([](int t, int, TileSums& sums) {
+  const SumsByTile masses = small.model.over_tiles([](int t, int, TileSums& sums) {
     sums[Sum::mass] = t == 0 ? 1e16 : t == 1 ? 1 : t == 2 ? -1e16 : 0;
   });
+  const TileSums total = small.model.add_up(masses);
   EXPECT_EQ(total[Sum::mass], 0) << "1e16 + 1 is 1e16";
 }
 

@@ -88,4 +88,21 @@ inline double largest_of_owners(Backend& backend, double mine) {
   return mine;
 }
 
+/// Gathers several messages with one synchronisation. Returns, for each of them, those of all owners in their order.
+inline std::vector<std::vector<Message>> gather_several(Backend& backend, const std::vector<Message>& messages) {
+  Message mine;
+  for (const Message& m : messages) mine.push_back(double(m.size()));
+  for (const Message& m : messages) mine.insert(mine.end(), m.begin(), m.end());
+  std::vector<std::vector<Message>> all(messages.size());
+  for (const Message& of_owner : backend.gather(mine)) {
+    auto next = of_owner.begin() + long(messages.size());
+    for (std::size_t i = 0; i < messages.size(); ++i) {
+      const auto end = next + long(of_owner[i]);
+      all[i].emplace_back(next, end);
+      next = end;
+    }
+  }
+  return all;
+}
+
 }  // namespace talus

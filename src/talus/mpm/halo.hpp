@@ -12,6 +12,8 @@
 #include <cstdint>
 #include <cstring>
 #include <numeric>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "talus/mpm/backend.hpp"
@@ -247,15 +249,57 @@ struct RowOfSums {
   }
 };
 
-/// The sum over all tiles of a run in their order, whoever owns them; `parts`: of those held here.
-template <int Dim>
-TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const std::vector<TileSums>& parts) {
-  SumOfBlocks sum;
-  if (backend.n_owners() == 1) {
-    for (std::size_t t = 0; t < parts.size(); ++t) sum.add(long(t), parts[t]);
-    return sum.total();
+/// An account of a surface in a tile as a row of numbers: the tile, the number of the account, and its sums.
+struct RowOfAccount {
+  static constexpr std::size_t n = sizeof(SurfaceAccount) / sizeof(double);
+
+  static void append(Message& message, long tile, const TileAccount& account) {
+    double numbers[n];
+    std::memcpy(numbers, &account.sums, sizeof numbers);
+    message.insert(message.end(), {double(tile), double(account.number)});
+    message.insert(message.end(), numbers, numbers + n);
   }
-  Message mine;
+
+  const double* numbers;
+  long tile() const { return long(numbers[0]); }
+  std::size_t size() const { return 2 + n; }
+  TileAccount account() const {
+    TileAccount account{int(numbers[1])};
+    std::memcpy(static_cast<void*>(&account.sums), numbers + 2, sizeof account.sums);
+    return account;
+  }
+};
+
+/// Rows of all owners, in the order of tiles.
+template <class Row>
+std::vector<Row> sorted_rows(const std::vector<Message>& of_owners) {
+  std::vector<Row> rows;
+  for (const Message& m : of_owners)
+    for (const double* row = m.data(); row != m.data() + m.size(); row += rows.back().size()) rows.push_back({row});
+  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.tile() < b.tile(); });
+  return rows;
+}
+
+// ---- sums over all tiles of a run in their order, whoever owns them: of a stage, or accounts of surfaces
+
+/// By the owner of all tiles.
+inline TileSums sum_of_tiles(const SumsByTile& parts) {
+  SumOfBlocks sum;
+  for (std::size_t t = 0; t < parts.size(); ++t) sum.add(long(t), parts[t]);
+  return sum.total();
+}
+/// By number, up to the last account that is in use.
+inline std::vector<SurfaceAccount> sum_of_tiles(const AccountsByTile& parts) {
+  std::vector<SurfaceAccount> total;
+  for (const TileAccounts& part : parts)
+    for (const TileAccount& account : part.all()) add_to(total, account);
+  return total;
+}
+
+/// Rows of the tiles of one of several owners.
+template <int Dim>
+Message rows_of(const SumsByTile& parts, const Halo& halo, const Tile<Dim>* tiles) {
+  Message rows;
   for (std::size_t t = 0; t < parts.size();) {
     if (!tiles[t].owned) {
       ++t;
@@ -269,19 +313,28 @@ TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, cons
     if (is_whole) {
       TileSums block;
       for (std::size_t k = 0; k < std::size_t(n); ++k) block.add(parts[t + k]);
-      RowOfSums::append(mine, first, block, true);
+      RowOfSums::append(rows, first, block, true);
       t += std::size_t(n);
     } else {
-      RowOfSums::append(mine, first, parts[t], false);
+      RowOfSums::append(rows, first, parts[t], false);
       ++t;
     }
   }
-  const std::vector<Message> all = backend.gather(mine);
-  std::vector<RowOfSums> rows;
-  for (const Message& m : all)
-    for (const double* row = m.data(); row != m.data() + m.size(); row += rows.back().size()) rows.push_back({row});
-  std::sort(rows.begin(), rows.end(), [](const RowOfSums& a, const RowOfSums& b) { return a.tile() < b.tile(); });
-  for (const RowOfSums& row : rows) {
+  return rows;
+}
+template <int Dim>
+Message rows_of(const AccountsByTile& parts, const Halo& halo, const Tile<Dim>* tiles) {
+  Message rows;
+  for (std::size_t t = 0; t < parts.size(); ++t)
+    if (tiles[t].owned)
+      for (const TileAccount& account : parts[t].all()) RowOfAccount::append(rows, halo.number[t], account);
+  return rows;
+}
+
+/// The sum of rows of all owners; the first argument has their type only.
+inline TileSums sum_of_rows(const SumsByTile&, const std::vector<Message>& of_owners) {
+  SumOfBlocks sum;
+  for (const RowOfSums& row : sorted_rows<RowOfSums>(of_owners)) {
     if (row.is_of_block())
       sum.add_block(row.tile(), row.sums());
     else
@@ -289,37 +342,20 @@ TileSums reduce(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, cons
   }
   return sum.total();
 }
+inline std::vector<SurfaceAccount> sum_of_rows(const AccountsByTile&, const std::vector<Message>& of_owners) {
+  std::vector<SurfaceAccount> total;
+  for (const RowOfAccount& row : sorted_rows<RowOfAccount>(of_owners)) add_to(total, row.account());
+  return total;
+}
 
-/// Adds the accounts of all tiles of a run in their order, whoever owns them; `parts`: of those held here.
-template <int Dim>
-void add_up_accounts(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const std::vector<TileAccounts>& parts,
-                     std::vector<SurfaceAccount>& total) {
-  if (backend.n_owners() == 1) {
-    for (const TileAccounts& part : parts)
-      for (const TileAccount& a : part.all()) total[std::size_t(a.number)] += a.sums;
-    return;
-  }
-  constexpr std::size_t n = sizeof(SurfaceAccount) / sizeof(double);
-  struct Row {
-    double tile, account;
-    SurfaceAccount sums;
-  };
-  Message mine;
-  for (std::size_t t = 0; t < parts.size(); ++t)
-    if (tiles[t].owned)
-      for (const TileAccount& a : parts[t].all()) {
-        const double* numbers = reinterpret_cast<const double*>(&a.sums);
-        mine.insert(mine.end(), {double(halo.number[t]), double(a.number)});
-        mine.insert(mine.end(), numbers, numbers + n);
-      }
-  std::vector<Row> rows;
-  for (const Message& m : backend.gather(mine))
-    for (std::size_t i = 0; i < m.size(); i += n + 2) {
-      rows.push_back({m[i], m[i + 1], {}});
-      std::memcpy(static_cast<void*>(&rows.back().sums), &m[i + 2], sizeof(SurfaceAccount));
-    }
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.tile < b.tile; });
-  for (const Row& row : rows) total[std::size_t(row.account)] += row.sums;
+/// Adds up several `parts`, each of all tiles held here. Owners wait for each other once for all of them. Returns a tuple of
+/// their sums.
+template <int Dim, class... Parts>
+auto add_up(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const Parts&... parts) {
+  if (backend.n_owners() == 1) return std::tuple{sum_of_tiles(parts)...};
+  const auto rows = gather_several(backend, {rows_of(parts, halo, tiles)...});
+  return [&]<std::size_t... i>(std::index_sequence<i...>) { return std::tuple{sum_of_rows(parts, rows[i])...}; }
+  (std::index_sequence_for<Parts...>());
 }
 
 }  // namespace talus

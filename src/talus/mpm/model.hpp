@@ -125,7 +125,7 @@ struct Model {
   Halo halo;
   std::optional<Walls<Dim>> walls;
   std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
-  std::vector<TileAccounts> accounts;                 ///< of this step, tile by tile
+  AccountsByTile accounts;                            ///< of this step
   std::vector<TileRest> rests;                        ///< tile by tile; empty without `rest_tolerance`
   Shares shares;                                      ///< the tiles, dealt out to threads
   TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
@@ -147,23 +147,28 @@ struct Model {
     for_each_of(inside, f);
   }
 
-  /// Runs f(tile, worker, sums) for every tile and adds up the sums in the order of the tiles, whoever ran them.
+  /// Runs f(tile, worker, sums) for every tile and returns the sums.
   template <class F>
-  TileSums over_tiles(F f) {
-    return add_up(f, [&](const auto& each) { backend.for_each(shares, each); });
+  SumsByTile over_tiles(F f) {
+    SumsByTile sums(std::size_t(grid.n_tiles()));
+    backend.for_each(shares, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)]); });
+    return sums;
   }
   /// The same for an f that fills windows, unless they are null.
   template <class Windows, class F>
-  TileSums over_tiles(const Windows* windows, F f) {
-    return windows ? add_up(f, [&](const auto& each) { fill_windows(*windows, each); }) : over_tiles(f);
+  SumsByTile over_tiles(const Windows* windows, F f) {
+    if (!windows) return over_tiles(f);
+    SumsByTile sums(std::size_t(grid.n_tiles()));
+    fill_windows(*windows, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)]); });
+    return sums;
   }
 
-  /// What surfaces have given in this step, added up in the order of the tiles, whoever ran them; the tiles begin anew.
-  std::vector<SurfaceAccount> take_accounts() {
-    std::vector<SurfaceAccount> total(std::size_t(contact_finder.accounts().size()));
-    add_up_accounts(backend, halo, grid.tiles(), accounts, total);
-    for (TileAccounts& of_tile : accounts) of_tile.clear();
-    return total;
+  /// Adds up over the tiles of all owners, in their order. All owners wait for each other: several sums that are needed at
+  /// the same time are added up at once, to a tuple.
+  TileSums add_up(const SumsByTile& sums) { return std::get<0>(talus::add_up(backend, halo, grid.tiles(), sums)); }
+  template <class... Parts>
+  auto add_up(const Parts&... parts) {
+    return talus::add_up(backend, halo, grid.tiles(), parts...);
   }
 
   /// Whether a tile has particles of this owner.
@@ -208,12 +213,6 @@ struct Model {
   }
 
  private:
-  template <class F, class Loop>
-  TileSums add_up(F& f, Loop loop) {
-    std::vector<TileSums> parts(std::size_t(grid.n_tiles()));
-    loop([&](int t, int worker) { f(t, worker, parts[std::size_t(t)]); });
-    return reduce(backend, halo, grid.tiles(), parts);
-  }
   template <class F>
   void for_each_of(const TileLoop& loop, F& f) {
     backend.for_each(loop.shares, [&](int i, int worker) { f(loop.tiles[std::size_t(i)], worker); });

@@ -45,19 +45,11 @@ class Stepper final : public Simulation {
     const bool filters = is_filter_due();
     if (filters) filter();
     const StepInput step = input_of(next.dt);
-    ledger_.add_velocities(find_node_velocities(model_, step, filters));
-    if (model_.numerics.order == Order::usf) {
-      update_stress(step);
-      accelerate(step);
-      move(step);
-    } else {
-      ledger_.add_forces(add_present_forces(model_, step), step.dt, 1 - step.kept);
-      accelerate(step);
-      ledger_.add_particle_velocities(speed_up_particles(model_, step), step.dt);
-      find_node_velocities(model_, step);
-      update_stress(step);
-      move(step);
-    }
+    if (model_.numerics.order == Order::usf)
+      accelerate_after_stress(step, filters);
+    else
+      accelerate_before_stress(step, filters);
+    move(step);
     ledger_.end_step(step.dt);
     carried_.last_dt = step.dt;
     carried_.unfiltered += step.dt;
@@ -128,8 +120,33 @@ class Stepper final : public Simulation {
     const FilterCost cost = filter_.apply(model_, between_steps(), share);
     ledger_.add_filter(cost.contacts, cost.particles);
   }
-  void update_stress(const StepInput& step) {
-    const TileSums sums = update_stresses(model_, step);
+  /// The stages before particles move (usf). No sum of a stage has an effect on the next one, so all are added up at the end.
+  void accelerate_after_stress(const StepInput& step, bool filtered) {
+    const SumsByTile velocities = find_node_velocities(model_, step, filtered);
+    const SumsByTile stresses = update_stresses(model_, step);
+    const SumsByTile accelerations = accelerate_nodes(model_, step);
+    const auto [of_velocities, of_stresses, of_accelerations] = model_.add_up(velocities, stresses, accelerations);
+    ledger_.add_velocities(of_velocities);
+    note_stresses(of_stresses, step);
+    note_accelerations(of_accelerations, step);
+  }
+  /// The same for musl.
+  void accelerate_before_stress(const StepInput& step, bool filtered) {
+    const SumsByTile velocities = find_node_velocities(model_, step, filtered);
+    const SumsByTile forces = add_present_forces(model_, step);
+    const SumsByTile accelerations = accelerate_nodes(model_, step);
+    const SumsByTile particle_velocities = speed_up_particles(model_, step);
+    find_node_velocities(model_, step);
+    const SumsByTile stresses = update_stresses(model_, step);
+    const auto [of_velocities, of_forces, of_accelerations, of_particle_velocities, of_stresses] =
+        model_.add_up(velocities, forces, accelerations, particle_velocities, stresses);
+    ledger_.add_velocities(of_velocities);
+    ledger_.add_forces(of_forces, step.dt, 1 - step.kept);
+    note_accelerations(of_accelerations, step);
+    ledger_.add_particle_velocities(of_particle_velocities, step.dt);
+    note_stresses(of_stresses, step);
+  }
+  void note_stresses(const TileSums& sums, const StepInput& step) {
     ledger_.add_stresses(sums, step.dt, 1 - step.kept);
     carried_.viscosity = sums[Most::viscosity];
     if (sums[Sum::faulty] > 0) {
@@ -137,8 +154,7 @@ class Stepper final : public Simulation {
       stop_at_bad_stress(model_, ledger_, carried_.wave_speed);
     }
   }
-  void accelerate(const StepInput& step) {
-    const TileSums sums = accelerate_nodes(model_, step);
+  void note_accelerations(const TileSums& sums, const StepInput& step) {
     ledger_.add_accelerations(sums);
     finite_wave_speed_ = carried_.wave_speed;
     carried_.wave_speed = std::sqrt(sums[Most::wave_speed2]);
@@ -146,16 +162,14 @@ class Stepper final : public Simulation {
   }
   void move(const StepInput& step) {
     const bool rearranges = carried_.drift > largest_drift;
-    const TileSums sums = move_particles(model_, step, rearranges);
-    ledger_.add_motion(sums, step.dt);
-    tally_.rest_share += sums[Sum::asleep] / double(std::max(1L, model_.n_particles));
-    add_up_surfaces();
-    expect_inside(sums);
+    const SumsByTile motion = move_particles(model_, step, rearranges);
+    const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
+    ledger_.add_motion(of_motion, step.dt);
+    for (std::size_t i = 0; i < of_surfaces.size(); ++i) surfaces_[i] += of_surfaces[i];
+    for (TileAccounts& of_tile : model_.accounts) of_tile.clear();
+    tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
+    expect_inside(of_motion);
     if (rearranges) rearrange(step.dt);
-  }
-  void add_up_surfaces() {
-    const std::vector<SurfaceAccount> of_step = model_.take_accounts();
-    for (std::size_t i = 0; i < of_step.size(); ++i) surfaces_[i] += of_step[i];
   }
   void rearrange(double dt) {
     const bool is_in_windows = carried_.drift < reach_of_windows;
@@ -236,12 +250,12 @@ class Stepper final : public Simulation {
     }
   }
   double elastic_energy() {
-    return model_.over_tiles([&](int t, int, TileSums& sums) {
+    return model_.add_up(model_.over_tiles([&](int t, int, TileSums& sums) {
       if (!model_.has_particles(t)) return;
       for (const auto& body : model_.bodies)
         for (const double energy : elastic_energies<Dim>(body, body.tiles[std::size_t(t)]))
           sums[Sum::elastic] += energy;
-    })[Sum::elastic];
+    }))[Sum::elastic];
   }
 
   /// Distance in cells that a particle may go before particles are put in cell order again: a tenth, because where

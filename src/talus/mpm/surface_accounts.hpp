@@ -77,4 +77,14 @@ class TileAccounts {
   std::vector<TileAccount> accounts_;
 };
 
+/// For each tile that an owner holds.
+using AccountsByTile = std::vector<TileAccounts>;
+
+/// Adds the account of a tile to accounts in the order of their numbers.
+inline void add_to(std::vector<SurfaceAccount>& accounts, const TileAccount& of_tile) {
+  const auto number = std::size_t(of_tile.number);
+  if (number >= accounts.size()) accounts.resize(number + 1);
+  accounts[number] += of_tile.sums;
+}
+
 }  // namespace talus

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include "talus/math/vec.hpp"
 
@@ -73,5 +74,8 @@ struct TileSums {
     for (std::size_t i = 0; i < most.size(); ++i) raise(Most(i), other.most[i]);
   }
 };
+
+/// Of a stage, for each tile that an owner holds.
+using SumsByTile = std::vector<TileSums>;
 
 }  // namespace talus

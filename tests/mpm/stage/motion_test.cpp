@@ -20,17 +20,17 @@ TEST(Motion, AParticleFallsByGravityAloneInEitherOrder) {
     TileSums accelerated, moved;
     if (order == Order::usf) {
       update_stresses(m, step);
-      accelerated = accelerate_nodes(m, step);
+      accelerated = m.add_up(accelerate_nodes(m, step));
     } else {
       small.particles().wave_modulus()[0] = 7;
       add_present_forces(m, step);
-      accelerated = accelerate_nodes(m, step);
+      accelerated = m.add_up(accelerate_nodes(m, step));
       EXPECT_NEAR(accelerated[Most::wave_speed2], 7, 1e-14) << "the stiffness that the particle remembers";
       speed_up_particles(m, step);
       find_node_velocities(m, step);
       update_stresses(m, step);
     }
-    moved = move_particles(m, step, false);
+    moved = m.add_up(move_particles(m, step, false));
     EXPECT_NEAR(small.particles().velocity(1)[0], -1, 1e-14);
     EXPECT_NEAR(small.particles().position(1)[0], 6, 1e-14);
     EXPECT_NEAR(accelerated[Sum::new_kinetic], 0.5, 1e-14);
@@ -51,7 +51,7 @@ TEST(Motion, AParticleThatLeavesIsAFinding) {
   find_node_velocities(m, step);
   update_stresses(m, step);
   accelerate_nodes(m, step);
-  EXPECT_EQ(move_particles(m, step, false)[Sum::faulty], 1);
+  EXPECT_EQ(m.add_up(move_particles(m, step, false))[Sum::faulty], 1);
 }
 
 }  // namespace talus::stage_motion_test

@@ -18,7 +18,7 @@ TEST(StageOfStresses, AStretchedPairPullsItselfTogether) {
   add_momentum(m);
   const StepInput step{0, 1e-2, 1, 1e-12};
   find_node_velocities(m, step);
-  const TileSums sums = update_stresses(m, step);
+  const TileSums sums = m.add_up(update_stresses(m, step));
   EXPECT_GT(sums[Sum::elastic], 0);
   accelerate_nodes(m, step);
   double force[2] = {0, 0};
@@ -39,7 +39,7 @@ TEST(StageOfStresses, NodesAreAcceleratedByForceOverMassAndNotWhereThereIsNone) 
   const StepInput step{0, 0.1, 1, 1e-12};
   find_node_velocities(m, step);
   update_stresses(m, step);
-  const TileSums sums = accelerate_nodes(m, step);
+  const TileSums sums = m.add_up(accelerate_nodes(m, step));
   int n = 0;
   for (int t = 0; t < m.grid.n_tiles(); ++t)
     for (int i = 0; i < 16; ++i) {

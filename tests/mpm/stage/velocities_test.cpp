@@ -41,7 +41,7 @@ TEST(Velocities, OneParticleGivesItsVelocityToAllItsNodes) {
   arrange(m);
   small.particles().velocity(0)[0] = 3;
   add_momentum(m);
-  const TileSums sums = find_node_velocities(m, {0, 0, 1, 1e-12});
+  const TileSums sums = m.add_up(find_node_velocities(m, {0, 0, 1, 1e-12}));
   int n = 0;
   over_nodes(m, m.grid.velocity, [&](const MassVelocity& v) {
     EXPECT_NEAR(v.velocity[0], v.mass > 0 ? 3 : 0, 1e-14);

@@ -27,7 +27,7 @@ class VelocityFilter {
   FilterCost apply(Model<Dim, Shape>& m, const StepInput& step, double share) {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
     find_moments(m);
-    const TileSums contacts = m.over_tiles([&](int t, int, TileSums& sums) {
+    const SumsByTile contacts = m.over_tiles([&](int t, int, TileSums& sums) {
       FilterMoments<Dim> moments[Layout::n_nodes];
       std::copy_n(moments_.of(t), Layout::n_nodes, moments);
       for (int i = 0; i < Layout::n_nodes; ++i)
@@ -45,7 +45,7 @@ class VelocityFilter {
       add_impulses_of_contacts(m, t);
     });
     m.walls->extend(m.backend, fits_.data());
-    const TileSums particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
+    const SumsByTile particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
       sums.add(Sum::wall_impulse, share * gain_of(t));
       if (m.walls->near_wall(t)) add_gain_of_mirrors(m, t, share);
       if (!m.has_particles(t)) return;
@@ -58,7 +58,8 @@ class VelocityFilter {
       add_up_particles_of_tile(m, t, sums);
       add_momentum_of_tile(m, t);
     });
-    return {contacts, particles};
+    const auto [of_contacts, of_particles] = m.add_up(contacts, particles);
+    return {of_contacts, of_particles};
   }
 
   /// Bytes held.

@@ -48,7 +48,7 @@ double power_of_loads(Model<Dim, Shape>& m, int t, double time) {
 
 /// v_p from the nodes, and back to them with the same weights (musl).
 template <int Dim, class Shape>
-TileSums speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
+SumsByTile speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   const Quad gravity = m.gravity_at_nodes();
   return m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
     add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
@@ -61,7 +61,7 @@ TileSums speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
 /// v_p (if stress came first) and x_p from the nodes. Then, unless particles are about to be `rearranged`, they give mass
 /// and momentum to the nodes where they are now.
 template <int Dim, class Shape>
-TileSums move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
+SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
   return m.over_tiles(rearranged ? nullptr : &m.grid.momentum_windows, [&](int t, int worker, TileSums& sums) {

@@ -63,7 +63,7 @@ class ParticleRefinement {
         for (Plan& p : of_body) p.splits.clear();
     }
     if (cost.n_split + cost.n_merged == 0) return cost;
-    const TileSums merging = m.over_tiles([&](int t, int, TileSums& sums) {
+    const SumsByTile merging = m.over_tiles([&](int t, int, TileSums& sums) {
       for (std::size_t b = 0; b < m.bodies.size(); ++b) {
         if (plans[b].empty()) continue;
         apply_splits<Dim>(m.bodies[b], plans[b][std::size_t(t)].splits);
@@ -74,7 +74,7 @@ class ParticleRefinement {
       if (m.bodies[b].particles.memory().extent) rebuild(m.bodies[b], plans[b], first_ids(m, plans[b], n_ids));
     m.n_particles += cost.n_split - cost.n_merged;
     cost.particles = add_up_particles(m);
-    cost.particles[Sum::averaging] = merging[Sum::averaging];
+    cost.particles[Sum::averaging] = m.add_up(merging)[Sum::averaging];
     return cost;
   }
 

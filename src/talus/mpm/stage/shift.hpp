@@ -10,7 +10,7 @@ namespace talus {
 /// Lifts the particles of bodies that flow out of ground that they have sunk into. Returns what particles hold.
 template <int Dim, class Shape>
 TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
-  return m.over_tiles([&](int t, int, TileSums& sums) {
+  return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) {
     if (!m.has_particles(t)) return;
     const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
     m.for_each_body(t, [&](auto& body, const auto& points) {
@@ -22,7 +22,7 @@ TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
       }
     });
     add_up_particles_of_tile(m, t, sums);
-  });
+  }));
 }
 
 /// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift, in the rooms of the
@@ -55,11 +55,11 @@ class ParticleShift {
       find_excess<Dim, Shape>(filling, excess_.of(t));
     });
     m.walls->extend_evenly(m.backend, excess_.data());
-    return m.over_tiles([&](int t, int, TileSums& sums) {
+    return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) {
       if (!m.has_particles(t)) return;
       if (!m.is_left_out(t)) shift_tile(m, t, time);
       add_up_particles_of_tile(m, t, sums);
-    });
+    }));
   }
 
  private:

@@ -104,7 +104,7 @@ void keep_stresses(Model<Dim, Shape>& m, int t, TileSums& sums) {
 
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
-TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
+SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
   using Layout = TileLayout<Dim, Shape>;
   const Numerics& n = m.numerics;
   const StressUpdate how{step.dt,
@@ -148,7 +148,7 @@ TileSums update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
 
 /// f_I = -sum V sigma grad N of the stress as it is (musl).
 template <int Dim, class Shape>
-TileSums add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
+SumsByTile add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles(&m.grid.force_windows, [&](int t, int worker, TileSums& sums) {
     add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
@@ -177,11 +177,11 @@ void add_heat_of_contacts(Model<Dim, Shape>& m, int t) {
 
 /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it.
 template <int Dim, class Shape>
-TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
+SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
   m.add_windows(m.grid.force_windows, m.grid.force);
   const Quad gravity = m.gravity_at_nodes();
   const double h = m.domain.h, layer = step.dt / (h * h * h);
-  const TileSums total = m.over_tiles([&](int t, int, TileSums& sums) {
+  SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
     auto& g = m.grid;
     const auto& walls = m.walls->mirrors();
     const Index<Dim>& place = g.tile(t).place;
@@ -195,7 +195,7 @@ TileSums accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
   });
   m.walls->extend(m.backend, m.grid.new_velocity.data());
   m.walls->extend(m.backend, m.grid.acceleration.data());
-  return total;
+  return sums_by_tile;
 }
 
 }  // namespace talus

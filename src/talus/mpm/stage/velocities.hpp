@@ -47,15 +47,15 @@ void add_up_particles_of_tile(Model<Dim, Shape>& m, int t, TileSums& sums) {
 }
 template <int Dim, class Shape>
 TileSums add_up_particles(Model<Dim, Shape>& m) {
-  return m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); });
+  return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); }));
 }
 
 /// v_I = sum N m v / sum N m, and what walls and contacts allow of it. Closed contacts stay closed if velocities have
 /// just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
-TileSums find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
+SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
   m.add_windows(m.grid.momentum_windows, m.grid.momentum);
-  const TileSums total = m.over_tiles([&](int t, int, TileSums& sums) {
+  SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
     const auto& walls = m.walls->mirrors();
     const bool near_wall = m.walls->near_wall(t);
     const Index<Dim>& place = m.grid.tile(t).place;
@@ -69,7 +69,7 @@ TileSums find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool 
     for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
   });
   m.walls->extend(m.backend, m.grid.velocity.data());
-  return total;
+  return sums_by_tile;
 }
 
 /// Adds impulses of the sides of the domain to their accounts in a tile.
