@@ -99,8 +99,11 @@ class SplitBackend : public Backend {
     }
     return owners;
   }
+  std::vector<Message> gather(const Message& message) override {
+    ++n_gathered_;
+    return Backend::gather(message);
+  }
   std::vector<Message> exchange(std::vector<Message> messages) override {
-    ++n_exchanges_;
     kept_ = messages[std::size_t(owner_)];
     sent_.clear();
     for (const Message& m : messages) sent_.insert(sent_.end(), m.begin(), m.end());
@@ -120,8 +123,8 @@ class SplitBackend : public Backend {
   /// Whether an exchange was begun and is not finished.
   bool is_under_way() const { return is_under_way_; }
 
-  /// How often this owner has waited for messages of all at once.
-  int n_exchanges() const { return n_exchanges_; }
+  /// How often this owner has gathered messages of all.
+  int n_gathered() const { return n_gathered_; }
   /// What this owner has sent to itself in the last exchange: of what all gather, its own part.
   const Message& own_part() const { return kept_; }
   /// All that this owner has sent in the last exchange.
@@ -133,7 +136,7 @@ class SplitBackend : public Backend {
   std::unique_ptr<Backend> threads_;
   Message kept_, sent_;
   bool is_under_way_ = false;
-  int n_exchanges_ = 0;
+  int n_gathered_ = 0;
 };
 
 /// Runs f(backend) for every owner at the same time. Returns what each has thrown; null where nothing.

@@ -39,7 +39,7 @@ TEST(SplitBackend, SeveralMessagesOfAnyLengthAreGatheredAtOnce) {
     EXPECT_EQ(all[0], (std::vector<Message>{{0, 10}, {1, 11}, {2, 12}}));
     EXPECT_EQ(all[1], (std::vector<Message>{{}, {}, {}}));
     EXPECT_EQ(all[2], (std::vector<Message>{{}, {1}, {2, 2}}));
-    EXPECT_EQ(backend.n_exchanges(), 1);
+    EXPECT_EQ(backend.n_gathered(), 1);
   });
 }
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <random>
 
 #include "backend/split_backend.hpp"
 #include "mpm/by_hand.hpp"
@@ -149,86 +148,6 @@ TEST(ExchangeWindows, TheHaloHasTheWindowsOfItsOwners) {
         ASSERT_EQ(windows.of(int(t))[i].mass, 100.0 * double(halo.number[t]) + i + 0.75);
       }
   });
-}
-
-TEST(AddUp, GoesInTheOrderOfTilesWhoeverOwnsThem) {
-  // 1e16 + 1 - 1e16 is 0 in this order, and 1 in another. Tiles of the halo count for their owner only.
-  const auto sums_of = [](double x) {
-    TileSums sums;
-    sums[Sum::mass] = x;
-    sums.raise(Most::viscosity, x);
-    return sums;
-  };
-  const SumsByTile in_run = {sums_of(1e16), sums_of(1), sums_of(-1e16)};
-  ASSERT_EQ(sum_of_tiles(in_run)[Sum::mass], 0);
-  run_as_owners(2, [&](SplitBackend& backend) {
-    // The first owner has the tiles 0 and 2, the second one tile 1; both hold all of them.
-    std::vector<Tile<2>> tiles(3);
-    SumsByTile parts = in_run;
-    for (int t = 0; t < 3; ++t) {
-      tiles[std::size_t(t)].owned = (t == 1) == (backend.owner() == 1);
-      if (!tiles[std::size_t(t)].owned) parts[std::size_t(t)] = sums_of(rubbish);
-    }
-    const auto [total] = add_up(backend, Halo{3, {0, 1, 2}, {}, {}}, tiles.data(), parts);
-    EXPECT_EQ(total[Sum::mass], 0);
-    EXPECT_EQ(total[Most::viscosity], 1e16);
-  });
-}
-
-TEST(AddUp, OwnersWaitForEachOtherOnceForSeveralSumsAndEachHasTheBitsThatItHasAlone) {
-  constexpr int n = 100;
-  std::mt19937 random(2);
-  std::uniform_real_distribution<double> some(-1, 1);
-  SumsByTile velocities(n), stresses(n);
-  AccountsByTile accounts(n);
-  for (std::size_t t = 0; t < n; ++t) {
-    velocities[t][Sum::held_kinetic] = some(random);
-    stresses[t][Sum::elastic] = some(random);
-    stresses[t].raise(Most::viscosity, some(random));
-    if (t % 3 == 0) accounts[t][int(t % 2)].impulse = {some(random), 0, some(random)};
-    if (t % 7 == 0) accounts[t][5].friction = some(random);
-  }
-  const TileSums one_of_velocities = sum_of_tiles(velocities), one_of_stresses = sum_of_tiles(stresses);
-  const std::vector<SurfaceAccount> one_of_accounts = sum_of_tiles(accounts);
-  ASSERT_EQ(one_of_accounts.size(), 6u);
-  EXPECT_NE(one_of_accounts[1].impulse[2], 0);
-  EXPECT_NE(one_of_accounts[5].friction, 0);
-  std::vector<long> number(n);
-  std::iota(number.begin(), number.end(), 0L);
-  run_as_owners(3, [&](SplitBackend& backend) {
-    std::vector<Tile<2>> tiles(n);  // by turns, and a whole block
-    for (int t = 0; t < n; ++t) tiles[std::size_t(t)].owned = (t < 64 ? 1 : t % 3) == backend.owner();
-    const auto [of_velocities, of_accounts, of_stresses] =
-        add_up(backend, Halo{n, number, {}, {}}, tiles.data(), velocities, accounts, stresses);
-    EXPECT_EQ(of_velocities.sums, one_of_velocities.sums);
-    EXPECT_EQ(of_stresses.sums, one_of_stresses.sums);
-    EXPECT_EQ(of_stresses.most, one_of_stresses.most);
-    EXPECT_EQ(of_accounts, one_of_accounts);
-    EXPECT_EQ(backend.n_exchanges(), 1);
-  });
-}
-
-TEST(AddUp, AnOwnerOfAWholeBlockHandsOutOneSumAndTheTotalHasTheBitsOfOneOwner) {
-  constexpr int n = 300;  // four blocks of 64 tiles, and a last one of 44
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> some(-1, 1);
-  SumsByTile in_run(n);
-  for (TileSums& sums : in_run)
-    for (double& x : sums.sums) x = random() % 3 ? some(random) : 0;
-  const TileSums one = sum_of_tiles(in_run);
-  std::vector<long> number(n);
-  std::iota(number.begin(), number.end(), 0L);
-  std::vector<std::size_t> rows(3);
-  run_as_owners(3, [&](SplitBackend& backend) {
-    // Cut in the second block and at the end of the third.
-    std::vector<Tile<2>> tiles(n);
-    for (int t = 0; t < n; ++t) tiles[std::size_t(t)].owned = (t < 100 ? 0 : t < 192 ? 1 : 2) == backend.owner();
-    const auto [total] = add_up(backend, Halo{n, number, {}, {}}, tiles.data(), in_run);
-    EXPECT_EQ(total.sums, one.sums);
-    const Message& sent = backend.own_part();  // its length and the rows
-    for (std::size_t i = 1; i < sent.size(); i += RowOfSums{&sent[i]}.size()) ++rows[std::size_t(backend.owner())];
-  });
-  EXPECT_EQ(rows, (std::vector<std::size_t>{1 + 36, 28 + 1, 2}));
 }
 
 }  // namespace talus::halo_test

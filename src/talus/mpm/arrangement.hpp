@@ -160,6 +160,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
   const std::vector<int> owners = owners_of(tiles, run.owners);
   m.halo = keep_held(tiles, run.cells, owners, m.backend);
+  if (m.backend.n_owners() > 1) m.adding_order = talus::adding_order(owners, m.halo.number, m.backend);
   for (auto& body : m.bodies) {
     std::vector<TileParticles> ranges(run.cells.size());
     std::size_t own = 0;

@@ -8,19 +8,14 @@
 /// these the windows of tiles that reach 3 nodes farther: three tiles.
 
 #include <algorithm>
-#include <bit>
-#include <cstdint>
 #include <cstring>
 #include <numeric>
-#include <tuple>
 #include <utility>
 #include <vector>
 
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/data/body.hpp"
 #include "talus/mpm/data/grid.hpp"
-#include "talus/mpm/surface_accounts.hpp"
-#include "talus/mpm/tile_sums.hpp"
 
 namespace talus {
 
@@ -181,181 +176,6 @@ std::vector<double> tile_numbers(const Body<Dim>& body, const Halo& halo, const 
   for (std::size_t t = 0; t < body.tiles.size(); ++t)
     std::fill(numbers.begin() + body.tiles[t].begin, numbers.begin() + body.tiles[t].end, double(halo.number[t]));
   return numbers;
-}
-
-/// Adds the sums of tiles in the order of the run, first within blocks of tiles, then over blocks, so that the owner of
-/// a whole block sends one sum.
-class SumOfBlocks {
- public:
-  static constexpr long n_tiles = 64;
-
-  void add(long tile, const TileSums& sums) {
-    begin_block_of(tile);
-    block_.add(sums);
-  }
-  /// Sum of a block whose first tile is `tile`.
-  void add_block(long tile, const TileSums& sums) {
-    begin_block_of(tile);
-    block_ = sums;
-  }
-  TileSums total() {
-    begin_block_of(-1);
-    return total_;
-  }
-
- private:
-  void begin_block_of(long tile) {
-    const long number = tile < 0 ? -1 : tile / n_tiles;
-    if (number == number_) return;
-    total_.add(block_);
-    block_ = {};
-    number_ = number;
-  }
-  TileSums total_, block_;
-  long number_ = -1;
-};
-
-/// Sums as a row of numbers: the tile, which of them are not zero, as bits, and these. Most sums of a stage are zero,
-/// which adds nothing.
-struct RowOfSums {
-  static constexpr std::size_t n = sizeof(TileSums) / sizeof(double);
-  static constexpr std::uint64_t of_block = std::uint64_t(1) << n;  ///< flag of the sum of a block
-  static_assert(n < 52, "a double holds so many bits");
-
-  static void append(Message& message, long tile, const TileSums& sums, bool is_of_block) {
-    double numbers[n];
-    std::memcpy(numbers, &sums, sizeof sums);
-    std::uint64_t bits = 0;
-    for (std::size_t i = 0; i < n; ++i) bits |= std::uint64_t(numbers[i] != 0) << i;  // also for NaN
-    if (bits == 0) return;
-    message.insert(message.end(), {double(tile), double(is_of_block ? bits | of_block : bits)});
-    for (const double number : numbers)
-      if (number != 0) message.push_back(number);
-  }
-
-  const double* numbers;
-  long tile() const { return long(numbers[0]); }
-  std::uint64_t bits() const { return std::uint64_t(numbers[1]); }
-  bool is_of_block() const { return bits() & of_block; }
-  std::size_t size() const { return 2 + std::size_t(std::popcount(bits() & (of_block - 1))); }
-  TileSums sums() const {
-    double all[n] = {};
-    const double* next = numbers + 2;
-    for (std::size_t i = 0; i < n; ++i)
-      if (bits() >> i & 1) all[i] = *next++;
-    TileSums sums;
-    std::memcpy(static_cast<void*>(&sums), all, sizeof sums);
-    return sums;
-  }
-};
-
-/// An account of a surface in a tile as a row of numbers: the tile, the number of the account, and its sums.
-struct RowOfAccount {
-  static constexpr std::size_t n = sizeof(SurfaceAccount) / sizeof(double);
-
-  static void append(Message& message, long tile, const TileAccount& account) {
-    double numbers[n];
-    std::memcpy(numbers, &account.sums, sizeof numbers);
-    message.insert(message.end(), {double(tile), double(account.number)});
-    message.insert(message.end(), numbers, numbers + n);
-  }
-
-  const double* numbers;
-  long tile() const { return long(numbers[0]); }
-  std::size_t size() const { return 2 + n; }
-  TileAccount account() const {
-    TileAccount account{int(numbers[1])};
-    std::memcpy(static_cast<void*>(&account.sums), numbers + 2, sizeof account.sums);
-    return account;
-  }
-};
-
-/// Rows of all owners, in the order of tiles.
-template <class Row>
-std::vector<Row> sorted_rows(const std::vector<Message>& of_owners) {
-  std::vector<Row> rows;
-  for (const Message& m : of_owners)
-    for (const double* row = m.data(); row != m.data() + m.size(); row += rows.back().size()) rows.push_back({row});
-  std::stable_sort(rows.begin(), rows.end(), [](const Row& a, const Row& b) { return a.tile() < b.tile(); });
-  return rows;
-}
-
-// ---- sums over all tiles of a run in their order, whoever owns them: of a stage, or accounts of surfaces
-
-/// By the owner of all tiles.
-inline TileSums sum_of_tiles(const SumsByTile& parts) {
-  SumOfBlocks sum;
-  for (std::size_t t = 0; t < parts.size(); ++t) sum.add(long(t), parts[t]);
-  return sum.total();
-}
-/// By number, up to the last account that is in use.
-inline std::vector<SurfaceAccount> sum_of_tiles(const AccountsByTile& parts) {
-  std::vector<SurfaceAccount> total;
-  for (const TileAccounts& part : parts)
-    for (const TileAccount& account : part.all()) add_to(total, account);
-  return total;
-}
-
-/// Rows of the tiles of one of several owners.
-template <int Dim>
-Message rows_of(const SumsByTile& parts, const Halo& halo, const Tile<Dim>* tiles) {
-  Message rows;
-  for (std::size_t t = 0; t < parts.size();) {
-    if (!tiles[t].owned) {
-      ++t;
-      continue;
-    }
-    // The tiles of a whole block are consecutive here as well.
-    const long first = halo.number[t], n = std::min(SumOfBlocks::n_tiles, halo.n_tiles - first);
-    bool is_whole = first % SumOfBlocks::n_tiles == 0 && t + std::size_t(n) <= parts.size();
-    for (std::size_t k = 0; k < std::size_t(n) && is_whole; ++k)
-      is_whole = tiles[t + k].owned && halo.number[t + k] == first + long(k);
-    if (is_whole) {
-      TileSums block;
-      for (std::size_t k = 0; k < std::size_t(n); ++k) block.add(parts[t + k]);
-      RowOfSums::append(rows, first, block, true);
-      t += std::size_t(n);
-    } else {
-      RowOfSums::append(rows, first, parts[t], false);
-      ++t;
-    }
-  }
-  return rows;
-}
-template <int Dim>
-Message rows_of(const AccountsByTile& parts, const Halo& halo, const Tile<Dim>* tiles) {
-  Message rows;
-  for (std::size_t t = 0; t < parts.size(); ++t)
-    if (tiles[t].owned)
-      for (const TileAccount& account : parts[t].all()) RowOfAccount::append(rows, halo.number[t], account);
-  return rows;
-}
-
-/// The sum of rows of all owners; the first argument has their type only.
-inline TileSums sum_of_rows(const SumsByTile&, const std::vector<Message>& of_owners) {
-  SumOfBlocks sum;
-  for (const RowOfSums& row : sorted_rows<RowOfSums>(of_owners)) {
-    if (row.is_of_block())
-      sum.add_block(row.tile(), row.sums());
-    else
-      sum.add(row.tile(), row.sums());
-  }
-  return sum.total();
-}
-inline std::vector<SurfaceAccount> sum_of_rows(const AccountsByTile&, const std::vector<Message>& of_owners) {
-  std::vector<SurfaceAccount> total;
-  for (const RowOfAccount& row : sorted_rows<RowOfAccount>(of_owners)) add_to(total, row.account());
-  return total;
-}
-
-/// Adds up several `parts`, each of all tiles held here. Owners wait for each other once for all of them. Returns a tuple of
-/// their sums.
-template <int Dim, class... Parts>
-auto add_up(Backend& backend, const Halo& halo, const Tile<Dim>* tiles, const Parts&... parts) {
-  if (backend.n_owners() == 1) return std::tuple{sum_of_tiles(parts)...};
-  const auto rows = gather_several(backend, {rows_of(parts, halo, tiles)...});
-  return [&]<std::size_t... i>(std::index_sequence<i...>) { return std::tuple{sum_of_rows(parts, rows[i])...}; }
-  (std::index_sequence_for<Parts...>());
 }
 
 }  // namespace talus

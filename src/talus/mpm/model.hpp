@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "talus/case/defaults.hpp"
+#include "talus/mpm/add_up.hpp"
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/contact_finder.hpp"
 #include "talus/mpm/data/body.hpp"
@@ -123,6 +124,7 @@ struct Model {
   // What follows from how particles are arranged (arrangement.hpp).
   Grid<Dim, Shape> grid;
   Halo halo;
+  AddingOrder adding_order;  ///< if there are several owners
   std::optional<Walls<Dim>> walls;
   std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
   AccountsByTile accounts;                            ///< of this step
@@ -165,10 +167,10 @@ struct Model {
 
   /// Adds up over the tiles of all owners, in their order. All owners wait for each other: several sums that are needed at
   /// the same time are added up at once, to a tuple.
-  TileSums add_up(const SumsByTile& sums) { return std::get<0>(talus::add_up(backend, halo, grid.tiles(), sums)); }
+  TileSums add_up(const SumsByTile& sums) { return std::get<0>(talus::add_up(backend, adding_order, sums)); }
   template <class... Parts>
   auto add_up(const Parts&... parts) {
-    return talus::add_up(backend, halo, grid.tiles(), parts...);
+    return talus::add_up(backend, adding_order, parts...);
   }
 
   /// Whether a tile has particles of this owner.
