@@ -80,8 +80,8 @@ TEST(AddUp, HasTheBitsOfOneOwnerHoweverTilesAreDivided) {
   for (const std::vector<int>& owners : divisions)
     for (const std::exception_ptr& thrown : run_as_owners(3, [&](SplitBackend& backend) {
            const Parts own = parts.of(backend.owner(), owners);
-           const auto [of_velocities, of_accounts, of_stresses] =
-               add_up(backend, adding_order(owners, numbers_of(n), backend), own.velocities, own.accounts, own.stresses);
+           const auto [of_velocities, of_accounts, of_stresses] = add_up(
+               backend, adding_order(owners, numbers_of(n), backend), own.velocities, own.accounts, own.stresses);
            EXPECT_EQ(of_velocities.sums, velocities.sums);
            EXPECT_EQ(of_stresses.sums, stresses.sums);
            EXPECT_EQ(of_stresses.most, stresses.most);

@@ -71,8 +71,7 @@ TEST_P(RestInBothDimensions, AColumnAtRestIsLeftOutWholeAndStaysAsItIs) {
   run_until(*s, 6 * fall);
   const Observation after = s->observe();
   EXPECT_NEAR(share_left_out(*s), 1, 1e-12);
-  for (const char* field : {"position", "p"})
-    EXPECT_EQ(before.find(field)->values, after.find(field)->values) << field;
+  for (const char* field : {"position", "p"}) EXPECT_EQ(before.find(field)->values, after.find(field)->values) << field;
   const Ledger& l = s->ledger();
   EXPECT_EQ(l.elastic, then.elastic);
   EXPECT_EQ(l.kinetic, 0);

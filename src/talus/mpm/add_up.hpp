@@ -210,7 +210,8 @@ auto add_up(Backend& backend, const AddingOrder& order, const Parts&... parts) {
   const auto all = gather_several(backend, {message_to_all(parts, order, received)...});  // one after the other
   return [&]<std::size_t... i>(std::index_sequence<i...>) {
     return std::tuple{sum_of_messages(parts, order, all[i])...};
-  }(std::index_sequence_for<Parts...>());
+  }
+  (std::index_sequence_for<Parts...>());
 }
 
 }  // namespace talus
