@@ -39,6 +39,8 @@ TEST(Domain, ParticlesMayBeBeyondSidesThatLetThemOutAndAnywhereAlongAPeriodicAxi
   EXPECT_TRUE(out.contains(four(9, -3)));
   EXPECT_FALSE(out.contains(four(-0.1, 4))) << "the other side of that axis is shut";
   EXPECT_FALSE(out.contains(four(1e7, 4))) << "as far as nothing goes";
+  EXPECT_FALSE(out.contains(four(4, 1e7)));
+  EXPECT_FALSE(out.contains(four(4, std::nan(""))));
 }
 
 TEST(Domain, APeriodIsAsManyTilesAsTheAxisHas) {
