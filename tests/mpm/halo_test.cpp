@@ -79,6 +79,11 @@ TEST(KeepHeld, TilesKeepTheirNumberInTheRunAndKnowTheirNeighboursHere) {
       const Tile<2>& there = all[std::size_t(halo.number[t])];
       EXPECT_EQ(tiles[t].place, there.place);
       EXPECT_EQ(tiles[t].owned, owners[std::size_t(halo.number[t])] == o);
+      bool is_beside_own = false;
+      for (std::size_t own = 0; own < all.size(); ++own)
+        is_beside_own |= owners[own] == o && std::abs(all[own].place[0] - there.place[0]) <= 1 &&
+                         std::abs(all[own].place[1] - there.place[1]) <= 1;
+      EXPECT_EQ(tiles[t].touched, is_beside_own);
       EXPECT_TRUE(t == 0 || halo.number[t - 1] < halo.number[t]);
       n_occupied += tiles[t].occupied;
       for (int n = 0; n < n_neighbours<2>; ++n) {

@@ -5,10 +5,12 @@
 /// have added to the windows of their tiles, owners exchange the windows of the halo. Each owner then computes all
 /// nodes that it needs, in the same order, so results are bit-identical. A node that a particle touches needs, at most,
 /// nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact, 2 to its image) and
-/// these the windows of tiles that reach 3 nodes farther: three tiles.
+/// these the windows of tiles that reach 3 nodes farther: three tiles. Most need less: what nodes do is computed in tiles that
+/// particles touch, and near walls.
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -108,7 +110,9 @@ Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells
   std::vector<CellRange<Dim>> kept_cells;
   for (const long t : halo.number) {
     Tile<Dim> tile = tiles[std::size_t(t)];
-    tile.owned = owners[std::size_t(t)] == own;
+    const auto is_own = [&](int of) { return of >= 0 && owners[std::size_t(of)] == own; };
+    tile.owned = is_own(int(t));
+    tile.touched = std::any_of(std::begin(tile.neighbours), std::end(tile.neighbours), is_own);  // itself among them
     for (int& other : tile.neighbours)
       if (other >= 0) other = local[std::size_t(other)];
     kept.push_back(tile);

@@ -173,6 +173,9 @@ struct Model {
     return talus::add_up(backend, adding_order, parts...);
   }
 
+  /// Whether this owner needs what the nodes of a tile do: its particles touch them, or images behind walls may hand it on to
+  /// others that they touch.
+  bool needs_nodes(int t) const { return grid.tile(t).touched || walls->near_wall(t); }
   /// Whether a tile has particles of this owner.
   bool has_particles(int t) const { return grid.tile(t).occupied && grid.tile(t).owned; }
   int n_particles_of(int t) const {
@@ -201,12 +204,13 @@ struct Model {
     auto& list = contacts[std::size_t(t)];
     return {list.data(), int(list.size())};
   }
-  /// Nodal sums = what all windows hold, images included.
+  /// Nodal sums = what all windows hold, images included; of all tiles held, or of those whose nodes this owner needs.
   template <class Nodes, class Windows>
-  void add_windows(Windows& windows, Nodes& nodes) {
+  void add_windows(Windows& windows, Nodes& nodes, bool of_all) {
     finish_exchange(backend, halo, windows);
-    backend.for_each(shares,
-                     [&](int t, int) { talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t)); });
+    backend.for_each(shares, [&](int t, int) {
+      if (of_all || needs_nodes(t)) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
+    });
     walls->fold(backend, nodes.data());
   }
   template <class Nodes>

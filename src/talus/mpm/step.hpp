@@ -224,10 +224,14 @@ class Stepper final : public Simulation {
   }
   StepBounds bounds() const {
     const Vec<Dim>& g = model_.gravity;
-    return {model_.domain.h,     cfl_of(model_.numerics),
-            carried_.wave_speed, largest_speed(),
-            carried_.viscosity,  std::sqrt(dot(g, g)) + load_acceleration_,
-            carried_.last_dt,    stiffenings_};
+    // Bulk viscosity of a node: sum N V b rho c h/m, by Schwarz's inequality at most b c h of the node. As with waves, a single
+    // stiff particle is held by the mass around it.
+    const double bulk =
+        stiffenings_.empty() ? 0 : bulk_viscosity_of(model_.numerics) * carried_.wave_speed * model_.domain.h;
+    return {model_.domain.h,           cfl_of(model_.numerics),
+            carried_.wave_speed,       largest_speed(),
+            carried_.viscosity + bulk, std::sqrt(dot(g, g)) + load_acceleration_,
+            carried_.last_dt,          stiffenings_};
   }
   /// Of a particle or of a solid [m/s].
   double largest_speed() const {

@@ -194,7 +194,7 @@ TEST(BulkViscosity, PressesOnWhatClosesWithItsImpedanceTimesAShareOfTheCell) {
   const double damping = 0.4 * 0.5 * std::sqrt(d.stiffness * 3000);
   EXPECT_NEAR(d.with - d.without, damping * 0.1, 1e-9 * damping);
   EXPECT_NEAR(d.sums[Sum::viscous_work], 1e-6 * damping * 0.1 * 0.1, 1e-9 * 1e-6 * damping);
-  EXPECT_NEAR(d.sums[Most::viscosity], damping / 3000, 1e-12 * damping);
+  EXPECT_EQ(d.sums[Most::viscosity], 0) << "the step knows it from the waves at nodes";
 }
 
 TEST(BulkViscosity, HoldsBackWhatOpensAndNeverPulls) {

@@ -60,8 +60,9 @@ template <int Dim>
 struct Tile {
   Index<Dim> place;  ///< its first cell, divided by tile_edge
   int neighbours[n_neighbours<Dim>];
-  bool occupied;      ///< holds particles, so its window is in use
-  bool owned = true;  ///< by this owner; tiles of others are present if nodes of this owner need them
+  bool occupied;        ///< holds particles, so its window is in use
+  bool owned = true;    ///< by this owner; tiles of others are present if nodes of this owner need them
+  bool touched = true;  ///< it or a neighbour is owned: this owner's particles touch its nodes
 };
 
 /// A node of a tile, counted in the whole grid.

@@ -251,7 +251,6 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
 
     const R volume = reference_volume * law.specific_volume(state);
     SymTensor<R> flux = volume * Law::total_stress(state);
-    R diffusion = volume * response.viscosity;
     if constexpr (StiffensFromNothing<Law>) {
       if (how.bulk_viscosity > 0) {
         const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
@@ -259,7 +258,6 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
         const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
         for (int c = 0; c < 3; ++c) flux[c] -= q;
         total.viscous_work += -(dt * q * trace(rate));
-        diffusion += damping;
       }
     }
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
@@ -273,7 +271,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
       total.returned_work +=
           volume * dt * max(zero, zero - collisional_dissipation(Law::collisional_stress(state), motion.strain_rate));
     store(&s.stiffness[i], volume * response.stiffness);
-    if (any(diffusion > zero)) total.viscosity = max(total.viscosity, diffusion / mass);
+    if (any(response.viscosity > zero)) total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
     const auto ones = [&](Outcome outcome) {
       return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
     };

@@ -28,6 +28,7 @@ class VelocityFilter {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
     find_moments(m);
     const SumsByTile contacts = m.over_tiles([&](int t, int, TileSums& sums) {
+      if (!m.needs_nodes(t)) return;
       FilterMoments<Dim> moments[Layout::n_nodes];
       std::copy_n(moments_.of(t), Layout::n_nodes, moments);
       for (int i = 0; i < Layout::n_nodes; ++i)
@@ -94,6 +95,7 @@ class VelocityFilter {
     });
     exchange_windows(m.backend, m.halo, windows_);
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
+      if (!m.needs_nodes(t)) return;
       EightMoments sums[Layout::n_nodes];
       add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), sums);
       for (int i = 0; i < Layout::n_nodes; ++i)

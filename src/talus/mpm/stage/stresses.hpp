@@ -178,10 +178,11 @@ void add_heat_of_contacts(Model<Dim, Shape>& m, int t) {
 /// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it.
 template <int Dim, class Shape>
 SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
-  m.add_windows(m.grid.force_windows, m.grid.force);
+  m.add_windows(m.grid.force_windows, m.grid.force, false);
   const Quad gravity = m.gravity_at_nodes();
   const double h = m.domain.h, layer = step.dt / (h * h * h);
   SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
+    if (!m.needs_nodes(t)) return;
     auto& g = m.grid;
     const auto& walls = m.walls->mirrors();
     const Index<Dim>& place = g.tile(t).place;

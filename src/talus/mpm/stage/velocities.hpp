@@ -54,8 +54,10 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
 /// just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
 SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
-  m.add_windows(m.grid.momentum_windows, m.grid.momentum);
+  const bool needs_mass_around = !m.contact_finder.solids().empty();
+  m.add_windows(m.grid.momentum_windows, m.grid.momentum, needs_mass_around);
   SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
+    if (!m.needs_nodes(t)) return;
     const auto& walls = m.walls->mirrors();
     const bool near_wall = m.walls->near_wall(t);
     const Index<Dim>& place = m.grid.tile(t).place;
