@@ -430,6 +430,9 @@ TEST(ReadCase, SolidsThatMakeNoSenseAreRefused) {
       "overlaps body `column` at the start: the particle at (0.03975, 0.00125) lies 0.75 mm inside");
   expect_complaint_about_solid(R"(half_space = { point = ["60 mm", "0 mm"], normal = [0, 0] })" + rough,
                                "must not be zero");
+  expect_complaint_about_solid(
+      gate + rough + "\nmotion = { velocity = [\"0 m/s\", \"1 m/s\"] }\n[numerics]\nrest_tolerance = 0.01\n",
+      "must be 0 with solids that move");
   expect_complaint_about_solid(gate + rough + "\nmotion = {}",
                                "must have exactly one of `velocity`, `displacements` and `file`, or `rotation`");
   const auto turning = [&](const std::string& keys) {

@@ -68,6 +68,8 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
     section.add("rest_tolerance", "must be 0 with order = \"musl\", which leaves nothing out");
   if (n.rest_tolerance > 0 && case_.gravity == Vec<3>{})
     section.add("rest_tolerance", "must be 0 without gravity, which sets the speed below which material rests");
+  if (n.rest_tolerance > 0 && std::ranges::any_of(case_.solids, [](const Solid& s) { return !s.motion.rests(); }))
+    section.add("rest_tolerance", "must be 0 with solids that move: material that is left out would let them through");
   if (n.stiffness_factor == 1) return;
   for (const Material& m : case_.materials)
     if (!scales_stiffness(m.law))
