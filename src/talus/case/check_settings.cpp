@@ -64,12 +64,15 @@ void check_numerics(const Case& case_, std::vector<Mistake>& mistakes) {
   else if (const double most = 4 * case_.cell; n.shifting_length.value_or(0) > most * (1 + 1e-9))
     section.add("shifting_length",
                 fmt::format("must be four cells at most, {}, or shifting overshoots", with_unit(most, "m")));
-  if (n.rest_tolerance > 0 && n.order == Order::musl)
-    section.add("rest_tolerance", "must be 0 with order = \"musl\", which leaves nothing out");
-  if (n.rest_tolerance > 0 && case_.gravity == Vec<3>{})
-    section.add("rest_tolerance", "must be 0 without gravity, which sets the speed below which material rests");
-  if (n.rest_tolerance > 0 && std::ranges::any_of(case_.solids, [](const Solid& s) { return !s.motion.rests(); }))
-    section.add("rest_tolerance", "must be 0 with solids that move: material that is left out would let them through");
+  if (n.rest_tolerance > 0) {
+    if (n.order == Order::musl)
+      section.add("rest_tolerance", "must be 0 with order = \"musl\", which leaves nothing out");
+    if (case_.gravity == Vec<3>{})
+      section.add("rest_tolerance", "must be 0 without gravity, which sets the speed below which material rests");
+    if (std::ranges::any_of(case_.solids, [](const Solid& s) { return !s.motion.rests(); }))
+      section.add("rest_tolerance",
+                  "must be 0 with solids that move: material that is left out would let them through");
+  }
   if (n.stiffness_factor == 1) return;
   for (const Material& m : case_.materials)
     if (!scales_stiffness(m.law))
