@@ -88,7 +88,7 @@ class SplitBackend : public Backend {
   int owner() const override { return owner_; }
   /// An even number of owners: ranges of about equal work in the order of the run. An odd number: every owner has every
   /// n-th tile, so that no part is compact.
-  std::vector<int> divide(int, const std::vector<int>&, const std::vector<long>& work) override {
+  std::vector<int> divide(int, const std::vector<int>&, const std::vector<long>& work, long) override {
     std::vector<int> owners;
     long all = 0, before = 0;
     for (const long w : work) all += w;

@@ -128,6 +128,24 @@ TEST(TileDivision, WorksWithFewerTilesThanProcessesAndInARow) {
   EXPECT_LE(talus::imbalance(owners_of(division, row), row.work, n_processes()), 1.3) << "tiles are a fifth of a share";
 }
 
+TEST(LossOfDivision, CallsForACutOnceItHasCostMoreThanACut) {
+  // Two owners have 50 tiles of 1 ms each: 50 ms a step. A cut takes 100 x 4 us and a step, 50.4 ms.
+  std::vector<int> owners(100, 0);
+  std::fill(owners.begin() + 50, owners.end(), 1);
+  std::vector<long> work(100, 1000000);
+  talus::LossOfDivision loss;
+  loss.start(owners, work, 2);
+  EXPECT_FALSE(loss.calls_for_a_cut(owners, work, 2, 1000)) << "nothing is lost";
+  for (std::size_t t = 0; t < 50; ++t) work[t] += 40000;  // 52 and 50 ms, 1 more than the mean of 51
+  EXPECT_FALSE(loss.calls_for_a_cut(owners, work, 2, 25));
+  EXPECT_FALSE(loss.calls_for_a_cut(owners, work, 2, 25)) << "50 ms";
+  EXPECT_TRUE(loss.calls_for_a_cut(owners, work, 2, 2)) << "52 ms; the cut takes 51.4";
+  loss.start(owners, work, 2);
+  EXPECT_FALSE(loss.calls_for_a_cut(owners, work, 2, 1000)) << "tiles could not be divided more equally";
+  for (std::size_t t = 0; t < 50; ++t) work[t] += 300000;
+  EXPECT_TRUE(loss.calls_for_a_cut(owners, work, 2, 0)) << "more than a tenth above the mean";
+}
+
 }  // namespace division_test
 
 int main(int argc, char** argv) {

@@ -64,7 +64,7 @@ TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
   auto bodies = bodies_at({{{5, 5}, {0.5, 0.5}, {5.5, 5.5}}, {{5, 0.5}, {-0.5, 0.5}, {5, 5}}});
   bodies[0].cost = 10;
   bodies[1].cost = 3;
-  const auto tiles = occupied_tiles(bodies, unit_cells<2>(8));
+  const auto tiles = occupied_tiles(bodies, unit_cells<2>(8), *make_serial());
   EXPECT_EQ(tiles.places, (std::vector<Index<2>>{{-1, 0}, {0, 0}, {1, 0}, {1, 1}}));
   EXPECT_EQ(tiles.work, (std::vector<long>{3, 10, 3, 23})) << "particles of a body weigh as much as they cost";
   EXPECT_EQ(tiles.find({1, 0}), 2);
@@ -77,7 +77,9 @@ TEST(CellOrder, ParticlesAreSortedByTileThenByLineThenByCellAndWithinOneTheyKeep
   for (auto& body : bodies)
     for (int i = 0; i < body.particles.size(); ++i) body.particles.mass()[i] = 10 + body.particles.id()[i];
   const Domain<2> domain = unit_cells<2>(8);
-  const auto ranges = sort_by_cell(bodies, domain, occupied_tiles(bodies, domain), *make_serial());
+  const auto backend = make_serial();
+  const auto ranges =
+      sort_by_cell(bodies, all_rows(bodies, *backend), domain, occupied_tiles(bodies, domain, *backend), *backend);
   EXPECT_EQ(ids(bodies[0]), (std::vector<double>{4, 1, 3, 0, 2}));
   for (int i = 0; i < 5; ++i)
     EXPECT_EQ(bodies[0].particles.mass()[i], 10 + bodies[0].particles.id()[i]) << "all columns";

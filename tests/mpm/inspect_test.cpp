@@ -73,13 +73,12 @@ TEST(Inspect, RowsAreInTheOrderOfTheIdsThatAreThere) {
 }
 
 TEST(Inspect, AParticleIsAsLargeAsTheSquareOfItsVolume) {
-  Message plane, around_axis;
-  add_places_of_body(pair(), false, plane);
-  add_places_of_body(pair(), true, around_axis);
-  ASSERT_EQ(plane.size(), 2 * place_row);
-  EXPECT_EQ(std::vector(plane.begin() + place_row, plane.begin() + place_row + 4), (std::vector<double>{1, 3, 4, 0}));
-  EXPECT_DOUBLE_EQ(plane[place_row + 4], std::sqrt(6.0));
-  EXPECT_DOUBLE_EQ(around_axis[place_row + 4], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
+  Message plane(place_row), around_axis(place_row);
+  put_places_of(pair(), {1, 2}, false, plane.data());
+  put_places_of(pair(), {1, 2}, true, around_axis.data());
+  EXPECT_EQ(std::vector(plane.begin(), plane.begin() + 4), (std::vector<double>{1, 3, 4, 0})) << "of the second one";
+  EXPECT_DOUBLE_EQ(plane[4], std::sqrt(6.0));
+  EXPECT_DOUBLE_EQ(around_axis[4], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
 }
 
 TEST(Inspect, ADescriptionNamesTheParticleItsBodyAndItsQuantities) {

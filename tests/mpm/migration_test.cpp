@@ -9,6 +9,19 @@
 
 namespace talus::migration_test {
 
+/// The rows of particles one by one.
+std::vector<int> one_by_one(const RowOrder& rows) {
+  std::vector<int> all;
+  for (const RowRange& range : rows)
+    for (int i = range.begin; i < range.end; ++i) all.push_back(i);
+  return all;
+}
+std::vector<double> ids_in(const Particles<2>& p, const RowOrder& rows) {
+  std::vector<double> ids;
+  for (const int i : one_by_one(rows)) ids.push_back(p.id()[i]);
+  return ids;
+}
+
 TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
   // Two tiles, one an owner. The first owner has 0 and 1 in its tile and 2 in the other's; the second one 3 in the first's
   // and 4 in its own; of a second body nothing moves.
@@ -27,14 +40,19 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
       bodies[0].particles.id()[i] = first ? i : 3 + i;
       bodies[0].particles.mass()[i] = 10 + bodies[0].particles.id()[i];
     }
-    const auto all = gather(backend, occupied_tiles(bodies, domain));
+    const auto all = gather(backend, occupied_tiles(bodies, domain, backend));
     EXPECT_EQ(all.places, (std::vector<Index<2>>{{0, 0}, {1, 0}}));
     EXPECT_EQ(all.work, (std::vector<long>{3 * bodies[0].cost, 3 * bodies[0].cost})) << "of all owners and bodies";
-    move_to_owners(backend, bodies, domain, all, {0, 1}, {});
+    const auto rows = move_to_owners(backend, bodies, domain, all, {0, 1}, {});
     const Particles<2>& p = bodies[0].particles;
-    const std::vector<double> ids(p.id(), p.id() + p.size());
-    EXPECT_EQ(ids, first ? (std::vector<double>{0, 1, 3}) : (std::vector<double>{2, 4})) << "owner by owner";
-    for (int i = 0; i < p.size(); ++i) EXPECT_EQ(p.mass()[i], 10 + ids[std::size_t(i)]) << "with all their columns";
+    EXPECT_EQ(ids_in(p, rows[0]), first ? (std::vector<double>{0, 1, 3}) : (std::vector<double>{2, 4}))
+        << "owner by owner";
+    for (const int i : one_by_one(rows[0])) EXPECT_EQ(p.mass()[i], 10 + p.id()[i]) << "with all their columns";
+    EXPECT_EQ(one_by_one(rows[1]).size(), first ? 0u : 1u);
+    const OccupiedTiles<2> own = tiles_of(backend.owner(), all, {0, 1});
+    EXPECT_EQ(own.places, (std::vector<Index<2>>{{first ? 0 : 1, 0}}));
+    sort_by_cell(bodies, rows, domain, own, backend);
+    EXPECT_EQ(p.size(), first ? 3 : 2) << "those that have left are removed";
     EXPECT_EQ(bodies[1].particles.size(), first ? 0 : 1);
   });
 }
@@ -52,11 +70,9 @@ TEST(Migration, ParticlesArriveInTheOrderOfTheTilesThatTheyComeFrom) {
     Halo before;
     before.number = first ? std::vector<long>{0, 2} : std::vector<long>{1};
     const Domain<2> domain = unit_cells<2>(12);
-    const auto all = gather(backend, occupied_tiles(bodies, domain));
-    move_to_owners(backend, bodies, domain, all, {1}, before);
-    const Particles<2>& p = bodies[0].particles;
-    EXPECT_EQ(std::vector<double>(p.id(), p.id() + p.size()),
-              first ? std::vector<double>{} : (std::vector<double>{0, 1, 2, 3}));
+    const auto all = gather(backend, occupied_tiles(bodies, domain, backend));
+    const auto rows = move_to_owners(backend, bodies, domain, all, {1}, before);
+    EXPECT_EQ(ids_in(bodies[0].particles, rows[0]), first ? std::vector<double>{} : (std::vector<double>{0, 1, 2, 3}));
   });
 }
 

@@ -60,6 +60,18 @@ TEST(Observe, StrainRatesStandInTheOrderOfRowsAndFieldsInThatOfIds) {
   EXPECT_NEAR(seen.find("shear_rate")->values[1], 1.25 / 2, 1e-13);
 }
 
+TEST(Observe, GatheredRowsAreInTheOrderOfIdsWhetherManyAreMissingOrFew) {
+  const auto backend = make_serial();
+  const auto values = [&](const Message& rows) {
+    std::vector<double> seconds;
+    for (const double* row : GatheredRows(*backend, rows, 2)) seconds.push_back(row[1]);
+    return seconds;
+  };
+  EXPECT_EQ(values({}), std::vector<double>{});
+  EXPECT_EQ(values({7, 0.7, 5, 0.5, 8, 0.8}), (std::vector<double>{0.5, 0.7, 0.8}));
+  EXPECT_EQ(values({1e12, 2, 5, 0.5, 8, 0.8}), (std::vector<double>{0.5, 0.8, 2}));
+}
+
 TEST(Observe, AfterABreakParticlesAreSeenWhereverTheyStandAndStrainAtNoRate) {
   SmallModel<> small(unit_cells<2>(16), {{5, 6}});
   auto& m = small.model;

@@ -472,8 +472,9 @@ class Counting final : public Backend {
   }
   int n_owners() const override { return split_.n_owners(); }
   int owner() const override { return split_.owner(); }
-  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) override {
-    return split_.divide(dim, places, work);
+  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work,
+                          long n_steps) override {
+    return split_.divide(dim, places, work, n_steps);
   }
   std::vector<Message> exchange(std::vector<Message> messages) override { return split_.exchange(std::move(messages)); }
   void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) override {

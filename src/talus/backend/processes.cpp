@@ -40,8 +40,9 @@ class BackendOfProcesses final : public Backend {
 
   int n_owners() const override { return transport_.n_processes(); }
   int owner() const override { return transport_.process(); }
-  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) override {
-    return transport_.divide(dim, places, work);
+  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work,
+                          long n_steps) override {
+    return transport_.divide(dim, places, work, n_steps);
   }
   std::vector<Message> exchange(std::vector<Message> messages) override {
     return transport_.exchange(std::move(messages));

@@ -17,7 +17,7 @@ struct Traffic {
   double seconds = 0;
 };
 
-/// Largest work of a process over the mean at which tiles are divided again.
+/// Largest work of a process over the mean at which tiles are divided again at once.
 inline constexpr double most_imbalance = 1.1;
 
 /// Another process of the run has reported an error, with this message.
@@ -50,8 +50,9 @@ class Transport {
   virtual int n_on_this_machine() const = 0;
 
   /// As in Backend. `divide` keeps the owners of the call before, extended to other tiles, as long as none of them has more
-  /// than `most_imbalance` times the mean work.
-  virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) = 0;
+  /// than `most_imbalance` times the mean work, and less time has been lost to unequal work than a new division takes.
+  virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work,
+                                  long n_steps) = 0;
   virtual std::vector<Message> exchange(std::vector<Message> messages) = 0;
   virtual std::vector<Message> exchange_sized(std::vector<Message> messages, const std::vector<std::size_t>& sizes) = 0;
   virtual void begin_exchange(std::vector<Message> messages, const std::vector<std::size_t>& sizes) = 0;

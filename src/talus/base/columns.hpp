@@ -1,7 +1,9 @@
 #pragma once
 /// A table of doubles stored column by column.
 
+#include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -21,13 +23,22 @@ class Columns {
   /// Rows that fit into all columns without new memory.
   double* const* pointers() const { return pointers_.data(); }
 
-  /// Changes the number of rows. Existing rows keep their values; new rows are zero.
+  /// Memory [bytes].
+  std::size_t bytes() const { return data_.size() * std::size_t(n_that_fit_) * sizeof(double); }
+
+  /// Changes the number of rows. Existing rows keep their values; new rows are zero. A table that grows again and again takes
+  /// a sixteenth more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
   void resize(int n) {
-    for (std::size_t c = 0; c < data_.size(); ++c) {
-      Storage larger = allocate(n);
-      std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), larger.get());
-      data_[c] = std::move(larger);
-      pointers_[c] = data_[c].get();
+    if (n > n_that_fit_ || n < n_that_fit_ / 2) {
+      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
+      for (std::size_t c = 0; c < data_.size(); ++c) {
+        Storage other = allocate(n_that_fit_);
+        std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), other.get());
+        data_[c] = std::move(other);
+        pointers_[c] = data_[c].get();
+      }
+    } else if (n > size_) {
+      for (const Storage& column : data_) std::fill(column.get() + size_, column.get() + n, 0.0);
     }
     size_ = n;
   }
@@ -40,15 +51,15 @@ class Columns {
       data_[c] = std::move(taken);
       pointers_[c] = data_[c].get();
     }
-    size_ = int(rows.size());
+    size_ = n_that_fit_ = int(rows.size());
   }
 
-  /// Permutes one column: row i becomes the former row order[i]. `spare` is used as working space and has at least
-  /// size() entries.
+  /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` keep their values. `spare`
+  /// is used as working space and has at least as many entries as `order`.
   void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {
     double* values = data_[c].get();
-    for (int i = 0; i < size_; ++i) spare[i] = values[order[i]];
-    std::copy(spare.begin(), spare.begin() + size_, values);
+    for (std::size_t i = 0; i < order.size(); ++i) spare[i] = values[order[i]];
+    std::copy(spare.begin(), spare.begin() + long(order.size()), values);
   }
 
  private:
@@ -68,7 +79,7 @@ class Columns {
 
   std::vector<Storage> data_;
   std::vector<double*> pointers_;
-  int size_ = 0;
+  int size_ = 0, n_that_fit_ = 0;
 };
 
 }  // namespace talus

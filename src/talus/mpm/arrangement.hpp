@@ -185,12 +185,12 @@ void add_work_of_nodes(std::vector<long>& work) {
   for (long& w : work) w += of_node * TileLayout<Dim, Shape>::n_nodes;
 }
 
-/// Updates the costs of bodies from the measured time of their stress updates on all owners, if it differs from the
-/// assumed one by more than a fifth.
+/// Updates the costs of bodies from the measured time of their stress updates by this owner: its particles may yield where
+/// those of others are at rest. Every time counts half as much as those after it.
 template <int Dim, class Shape>
 void measure_costs(Model<Dim, Shape>& m) {
   if (m.backend.n_owners() == 1) return;
-  Message mine;
+  constexpr double transfers = 100;  // ns
   for (std::size_t b = 0; b < m.bodies.size(); ++b) {
     StressTime sum;
     for (std::vector<StressTime>& of_worker : m.stress_times) {
@@ -198,17 +198,9 @@ void measure_costs(Model<Dim, Shape>& m) {
       sum.updates += of_worker[b].updates;
       of_worker[b] = {};
     }
-    mine.insert(mine.end(), {sum.seconds, sum.updates});
-  }
-  std::vector<double> all(mine.size(), 0.0);
-  for (const Message& other : m.backend.gather(mine))
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] += other[i];
-  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    constexpr double transfers = 100;  // ns
-    if (!(all[2 * b + 1] > 0)) continue;
-    const double measured = transfers + std::min(1e6, 1e9 * all[2 * b] / all[2 * b + 1]);
-    long& cost = m.bodies[b].cost;
-    if (std::abs(measured - double(cost)) > 0.2 * double(cost)) cost = std::lround(measured);
+    if (!(sum.updates > 0)) continue;
+    const double measured = transfers + std::min(1e6, 1e9 * sum.seconds / sum.updates);
+    m.bodies[b].cost = std::lround(0.5 * (double(m.bodies[b].cost) + measured));
   }
 }
 
@@ -219,18 +211,19 @@ void arrange(Model<Dim, Shape>& m) {
   const auto resting = resting_tiles(m);
   wrap_periodic(m.bodies, m.domain);
   measure_costs(m);
-  OccupiedTiles<Dim> own = occupied_tiles(m.bodies, m.domain);
-  RunTiles<Dim> run{own.places, {}, std::vector<int>(own.places.size(), 0)};
+  const OccupiedTiles<Dim> occupied = occupied_tiles(m.bodies, m.domain, m.backend);
+  RunTiles<Dim> run{occupied.places, {}, std::vector<int>(occupied.places.size(), 0)};
   if (m.backend.n_owners() > 1) {
-    OccupiedTiles<Dim> all = gather(m.backend, own);
+    OccupiedTiles<Dim> all = gather(m.backend, occupied);
     add_work_of_nodes<Dim, Shape>(all.work);
-    run = {all.places, {}, divide<Dim>(m.backend, all.places, all.work)};
-    move_to_owners(m.backend, m.bodies, m.domain, all, run.owners, m.halo);
-    own = occupied_tiles(m.bodies, m.domain);
-    run.cells = gather(m.backend, all, own, sort_by_cell(m.bodies, m.domain, own, m.backend));
+    run = {all.places, {}, divide<Dim>(m.backend, all.places, all.work, m.n_steps_in_order)};
+    const auto rows = move_to_owners(m.backend, m.bodies, m.domain, all, run.owners, m.halo);
+    const OccupiedTiles<Dim> own = tiles_of(m.backend.owner(), all, run.owners);
+    run.cells = gather(m.backend, all, own, sort_by_cell(m.bodies, rows, m.domain, own, m.backend));
   } else {
-    run.cells = sort_by_cell(m.bodies, m.domain, own, m.backend);
+    run.cells = sort_by_cell(m.bodies, all_rows(m.bodies, m.backend), m.domain, occupied, m.backend);
   }
+  m.n_steps_in_order = 0;
   settle_on_grid(m, std::move(run));
   set_closed_contacts(m, closed);
   set_resting_tiles(m, resting);

@@ -43,10 +43,11 @@ class Backend {
   /// Number of this owner, from 0.
   virtual int owner() const { return 0; }
   /// The owner of each occupied tile of a run, such that all have about equal work. `places`: of the tiles, `dim` numbers
-  /// each; `work`: of each tile. All owners call it with the same arguments and receive the same. Who owns a tile has no
-  /// effect on results.
-  virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) {
-    (void)dim, (void)places;
+  /// each; `work`: of each tile in a step [ns]; `n_steps`: since the last call. All owners call it with the same arguments and
+  /// receive the same. Who owns a tile has no effect on results.
+  virtual std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work,
+                                  long n_steps) {
+    (void)dim, (void)places, (void)n_steps;
     return std::vector<int>(work.size(), 0);
   }
   /// Sends messages[o] to owner o. Returns what each owner has sent to this one, in their order.

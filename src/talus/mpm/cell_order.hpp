@@ -55,6 +55,34 @@ Index<Dim> tile_of_cell(const Index<Dim>& cell) {
   return place;
 }
 
+/// Whether places are the same. For each particle, `==` of arrays takes too long: it calls a function that compares memory.
+template <int Dim>
+bool are_same(const Index<Dim>& x, const Index<Dim>& y) {
+  bool same = true;
+  for (int a = 0; a < Dim; ++a) same &= x[a] == y[a];
+  return same;
+}
+
+/// Rows [begin, end) of a table of particles.
+struct RowRange {
+  int begin, end;
+};
+/// Rows of a body's particles in some order. Rows that are not in it are left out.
+using RowOrder = std::vector<RowRange>;
+
+/// All rows of the bodies' particles as they follow one another, in parts of equal size for the workers.
+template <class Bodies>
+std::vector<RowOrder> all_rows(const Bodies& bodies, const Backend& backend) {
+  std::vector<RowOrder> rows;
+  const long n_parts = backend.n_workers();
+  for (const auto& body : bodies) {
+    RowOrder& parts = rows.emplace_back();
+    const long n = body.particles.size();
+    for (long w = 0; w < n_parts; ++w) parts.push_back({int(n * w / n_parts), int(n * (w + 1) / n_parts)});
+  }
+  return rows;
+}
+
 /// The tiles that hold particles of some bodies, in their order, and the work of each.
 template <int Dim>
 struct OccupiedTiles {
@@ -63,7 +91,7 @@ struct OccupiedTiles {
 
   /// Appends work, in any order.
   void add(const Index<Dim>& place, long w) {
-    if (places.empty() || places.back() != place) {
+    if (places.empty() || !are_same<Dim>(places.back(), place)) {
       places.push_back(place);
       work.push_back(0);
     }
@@ -90,11 +118,18 @@ struct OccupiedTiles {
   std::vector<std::uint64_t> on_curve_;
 };
 template <int Dim, class Bodies>
-OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain) {
+OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain, Backend& backend) {
+  const std::vector<RowOrder> rows = all_rows(bodies, backend);
+  std::vector<OccupiedTiles<Dim>> parts(std::size_t(backend.n_workers()));
+  backend.for_each(backend.n_workers(), [&](int part, int) {
+    for (std::size_t b = 0; b < bodies.size(); ++b)
+      for (int i = rows[b][std::size_t(part)].begin; i < rows[b][std::size_t(part)].end; ++i)
+        parts[std::size_t(part)].add(tile_of_cell<Dim>(cell_of_particle(bodies[b].particles, i, domain)),
+                                     bodies[b].cost);
+  });
   OccupiedTiles<Dim> occupied;
-  for (const auto& body : bodies)
-    for (int i = 0; i < body.particles.size(); ++i)
-      occupied.add(tile_of_cell<Dim>(cell_of_particle(body.particles, i, domain)), body.cost);
+  for (const OccupiedTiles<Dim>& part : parts)
+    for (std::size_t t = 0; t < part.places.size(); ++t) occupied.add(part.places[t], part.work[t]);
   occupied.sort();
   return occupied;
 }
@@ -112,55 +147,66 @@ void wrap_periodic(Bodies& bodies, const Domain<Dim>& domain) {
 /// Sorts the particles of all bodies stably by the given tiles, in each by lines and by cells along them, and sets the
 /// bodies' `tiles`. Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of
 /// quadratic splines that particles of a line touch are the same across it (kernel/lines.hpp). Particles of one line and
-/// cell stay in the order they had, so the result depends on nothing but their places. Returns the cells of each tile that
-/// hold particles.
+/// cell stay in the order that `rows` gives, so the result depends on nothing but their places; those of rows that are left
+/// out are removed. Returns the cells of each tile that hold particles.
 template <int Dim, class Bodies>
-std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const Domain<Dim>& domain, const OccupiedTiles<Dim>& occupied,
-                                         Backend& backend) {
+std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOrder>& rows, const Domain<Dim>& domain,
+                                         const OccupiedTiles<Dim>& occupied, Backend& backend) {
   constexpr int n_slots = tile_edge * power(tile_edge + 1, Dim - 1);
-  const std::size_t n_tiles = occupied.places.size();
+  const std::size_t n_tiles = occupied.places.size(), n_workers = std::size_t(backend.n_workers());
   CellRange<Dim> none;
   none.low.fill(tile_edge);
   none.high.fill(-1);
-  std::vector<CellRange<Dim>> ranges(n_tiles, none);
-  for (auto& body : bodies) {
-    Particles<Dim>& particles = body.particles;
-    const int n = particles.size();
-    std::vector<std::uint32_t> slot(n);  // the particle's line and cell among those of all occupied tiles
+  std::vector<std::vector<CellRange<Dim>>> ranges(n_workers, std::vector<CellRange<Dim>>(n_tiles, none));
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Particles<Dim>& particles = bodies[b].particles;
+    std::vector<std::uint32_t> slot(std::size_t(particles.size()));  // line and cell among those of all occupied tiles
+    backend.for_each(int(rows[b].size()), [&](int range, int worker) {
+      std::size_t t = 0;
+      for (int i = rows[b][std::size_t(range)].begin; i < rows[b][std::size_t(range)].end; ++i) {
+        Index<Dim> cell = cell_of_particle(particles, i, domain);
+        const Index<Dim> place = tile_of_cell<Dim>(cell);
+        if (!are_same<Dim>(occupied.places[t], place)) t = std::size_t(occupied.find(place));
+        CellRange<Dim>& cells = ranges[std::size_t(worker)][t];
+        for (int a = 0; a < Dim; ++a) {
+          cell[a] -= tile_edge * place[a];
+          cells.low[a] = std::min(cells.low[a], cell[a]);
+          cells.high[a] = std::max(cells.high[a], cell[a]);
+        }
+        int line = 0;
+        for (int a = Dim - 1; a > 0; --a) {
+          const double in_tile = (particles.position(a)[i] - domain.origin[a]) / domain.h - tile_edge * place[a];
+          line = (tile_edge + 1) * line + std::clamp(cell_of(in_tile + 0.5), 0, tile_edge);
+        }
+        slot[std::size_t(i)] = std::uint32_t(t) * n_slots + std::uint32_t(tile_edge * line + cell[0]);
+      }
+    });
     std::vector<int> next(n_tiles * n_slots + 1, 0);
-    int last = 0;
-    for (int i = 0; i < n; ++i) {
-      Index<Dim> cell = cell_of_particle(particles, i, domain);
-      const Index<Dim> place = tile_of_cell<Dim>(cell);
-      if (occupied.places[last] != place) last = occupied.find(place);
-      for (int a = 0; a < Dim; ++a) {
-        cell[a] -= tile_edge * place[a];
-        ranges[last].low[a] = std::min(ranges[last].low[a], cell[a]);
-        ranges[last].high[a] = std::max(ranges[last].high[a], cell[a]);
-      }
-      int line = 0;
-      for (int a = Dim - 1; a > 0; --a) {
-        const double in_tile = (particles.position(a)[i] - domain.origin[a]) / domain.h - tile_edge * place[a];
-        line = (tile_edge + 1) * line + std::clamp(cell_of(in_tile + 0.5), 0, tile_edge);
-      }
-      slot[i] = std::uint32_t(last) * n_slots + std::uint32_t(tile_edge * line + cell[0]);
-      ++next[slot[i] + 1];
-    }
+    for (const RowRange& range : rows[b])
+      for (int i = range.begin; i < range.end; ++i) ++next[slot[std::size_t(i)] + 1];
     // Counts become first places, tile after tile, line after line.
     std::partial_sum(next.begin(), next.end(), next.begin());
-    body.tiles.resize(n_tiles);
-    for (std::size_t t = 0; t < n_tiles; ++t) body.tiles[t] = {next[t * n_slots], next[(t + 1) * n_slots]};
-    std::vector<int> order(n);
-    for (int i = 0; i < n; ++i) order[next[slot[i]]++] = i;
+    bodies[b].tiles.resize(n_tiles);
+    for (std::size_t t = 0; t < n_tiles; ++t) bodies[b].tiles[t] = {next[t * n_slots], next[(t + 1) * n_slots]};
+    std::vector<int> order(std::size_t(next.back()));
+    for (const RowRange& range : rows[b])
+      for (int i = range.begin; i < range.end; ++i) order[std::size_t(next[slot[std::size_t(i)]]++)] = i;
     std::vector<std::uint32_t>().swap(slot);  // its memory serves as working space
-    std::vector<std::vector<double>> spare(std::size_t(backend.n_workers()));
+    std::vector<std::vector<double>> spare(n_workers);
     backend.for_each(particles.columns().n_columns(), [&](int c, int worker) {
       std::vector<double>& own = spare[std::size_t(worker)];
-      own.resize(std::size_t(n));
+      own.resize(order.size());
       particles.columns().permute(c, order, own);
     });
+    particles.resize(order.size());
   }
-  return ranges;
+  for (std::size_t w = 1; w < n_workers; ++w)
+    for (std::size_t t = 0; t < n_tiles; ++t)
+      for (int a = 0; a < Dim; ++a) {
+        ranges[0][t].low[a] = std::min(ranges[0][t].low[a], ranges[w][t].low[a]);
+        ranges[0][t].high[a] = std::max(ranges[0][t].high[a], ranges[w][t].high[a]);
+      }
+  return std::move(ranges[0]);
 }
 
 }  // namespace talus

@@ -93,14 +93,17 @@ ObservedPart share_out(Backend& backend, Observation own) {
   const auto messages_of = [&](const std::vector<double>& values, std::size_t n) {
     std::vector<Message> messages(n_owners);
     for (std::size_t o = 0; o < n_owners; ++o) {
-      messages[o].reserve(rows[o].size() * n);
-      for (const std::size_t i : rows[o])
-        messages[o].insert(messages[o].end(), values.data() + i * n, values.data() + (i + 1) * n);
+      messages[o].resize(rows[o].size() * n);
+      double* to = messages[o].data();
+      for (const std::size_t i : rows[o]) to = std::copy_n(values.data() + i * n, n, to);
     }
     return messages;
   };
   const std::vector<Message> ids_of_part = backend.exchange(messages_of(ids, 1));
   const RowsOfIds order(joined(ids_of_part));
+  std::vector<std::vector<std::size_t>> places(n_owners);  // in the part, of the particles that each owner sends
+  for (std::size_t o = 0; o < n_owners; ++o)
+    for (const double id : ids_of_part[o]) places[o].push_back(order.row(id));
   ObservedPart part;
   int owner = 0;
   for (const Message& size : backend.gather({double(order.size())})) {
@@ -112,10 +115,10 @@ ObservedPart share_out(Backend& backend, Observation own) {
     std::vector<std::size_t> sizes;
     for (const Message& of_owner : ids_of_part) sizes.push_back(of_owner.size() * n);
     const std::vector<Message> all = backend.exchange_sized(messages_of(f.values, n), sizes);
-    f.values.assign(order.size() * n, unknown);
+    f.values.resize(order.size() * n);
     for (std::size_t o = 0; o < n_owners; ++o)
-      for (std::size_t i = 0; i < ids_of_part[o].size(); ++i)
-        std::copy_n(&all[o][i * n], n, &f.values[order.row(ids_of_part[o][i]) * n]);
+      for (std::size_t i = 0; i < places[o].size(); ++i)
+        std::copy_n(all[o].data() + i * n, n, f.values.data() + places[o][i] * n);
   }
   part.seen = std::move(own);
   return part;
@@ -152,16 +155,16 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 }
 
 template <int Dim>
-void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows) {
+void put_places_of(const Body<Dim>& body, TileParticles range, bool axisymmetric, double* row) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
-        for (int i = 0; i < p.size(); ++i) {
-          rows.push_back(p.id()[i]);
-          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
-          rows.push_back(size_of_particle(volume_of(law, p, i), axisymmetric ? p.position(0)[i] : 1, Dim));
-          rows.push_back(p.mass()[i]);
-          rows.push_back(ancestor_of(p, i));
+        for (int i = range.begin; i < range.end; ++i) {
+          *row++ = p.id()[i];
+          for (int a = 0; a < 3; ++a) *row++ = a < Dim ? p.position(a)[i] : 0;
+          *row++ = size_of_particle(volume_of(law, p, i), axisymmetric ? p.position(0)[i] : 1, Dim);
+          *row++ = p.mass()[i];
+          *row++ = ancestor_of(p, i);
         }
       },
       body.law);
@@ -341,8 +344,8 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
                            const std::vector<std::string>&);
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&,
                            const std::vector<std::string>&);
-template void add_places_of_body(const Body<2>&, bool, Message&);
-template void add_places_of_body(const Body<3>&, bool, Message&);
+template void put_places_of(const Body<2>&, TileParticles, bool, double*);
+template void put_places_of(const Body<3>&, TileParticles, bool, double*);
 template void add_flow_of_body(const Body<2>&, double, double, Message&);
 template void add_flow_of_body(const Body<3>&, double, double, Message&);
 template struct CellPressures<2>;

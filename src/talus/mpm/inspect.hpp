@@ -53,9 +53,10 @@ inline std::vector<double> joined(const std::vector<Message>& messages) {
   return all;
 }
 
-/// Adds the id, place, size, mass and ancestor of each of a body's particles, whose volumes are per radian if axisymmetric.
+/// Puts the id, place, size, mass and ancestor of some of a body's particles into rows. Volumes are per radian if
+/// axisymmetric.
 template <int Dim>
-void add_places_of_body(const Body<Dim>& body, bool axisymmetric, Message& rows);
+void put_places_of(const Body<Dim>& body, TileParticles range, bool axisymmetric, double* row);
 inline constexpr std::size_t place_row = 7;  ///< numbers of a particle there
 
 /// Adds the id, place, velocity, volume, mass and volume at the start of each of a body's particles. What has more than

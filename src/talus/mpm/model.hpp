@@ -132,6 +132,7 @@ struct Model {
   Shares shares;                                      ///< the tiles, dealt out to threads
   TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                       ///< one a thread
+  long n_steps_in_order = 0;                          ///< since particles were put in order
   std::vector<std::vector<StressTime>> stress_times;  ///< by thread and body, since particles were put in order
 
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.

@@ -2,6 +2,7 @@
 /// What can be seen of a run between two steps.
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -53,18 +54,34 @@ class GatheredRows {
     else
       all_ = backend.gather_at_first(mine);
     std::size_t n = 0;
-    for (const Message& of_owner : all_) n += of_owner.size() / n_numbers;
-    rows_.reserve(n);
-    for (const Message& of_owner : all_)
-      for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += n_numbers)
-        rows_.push_back(row);
-    std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
+    double first = std::numeric_limits<double>::infinity(), last = -first;
+    for_each_row(n_numbers, [&](const double* row) {
+      ++n;
+      first = std::min(first, *row);
+      last = std::max(last, *row);
+    });
+    if (n == 0) return;
+    if (last - first < 4 * double(n)) {  // ids are whole numbers, of which most are there
+      rows_.assign(std::size_t(last - first) + 1, nullptr);
+      for_each_row(n_numbers, [&](const double* row) { rows_[std::size_t(*row - first)] = row; });
+      std::erase(rows_, nullptr);
+    } else {
+      rows_.reserve(n);
+      for_each_row(n_numbers, [&](const double* row) { rows_.push_back(row); });
+      std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
+    }
   }
   std::size_t size() const { return rows_.size(); }
   auto begin() const { return rows_.begin(); }
   auto end() const { return rows_.end(); }
 
  private:
+  template <class F>
+  void for_each_row(std::size_t n_numbers, F f) const {
+    for (const Message& of_owner : all_)
+      for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += n_numbers) f(row);
+  }
+
   std::vector<Message> all_;
   std::vector<const double*> rows_;
 };
@@ -79,9 +96,16 @@ std::size_t n_own_particles(const Model<Dim, Shape>& m) {
 
 template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
-  Message mine;
-  mine.reserve(n_own_particles(m) * place_row);
-  for (const auto& body : m.bodies) add_places_of_body<Dim>(body, m.domain.axisymmetric, mine);
+  Message mine(n_own_particles(m) * place_row);
+  double* rows_of_body = mine.data();
+  for (const auto& body : m.bodies) {
+    const long n = body.particles.size(), n_parts = m.backend.n_workers();
+    m.backend.for_each(int(n_parts), [&](int part, int) {
+      const TileParticles range{int(n * part / n_parts), int(n * (part + 1) / n_parts)};
+      put_places_of<Dim>(body, range, m.domain.axisymmetric, rows_of_body + std::size_t(range.begin) * place_row);
+    });
+    rows_of_body += std::size_t(n) * place_row;
+  }
   const GatheredRows rows(m.backend, std::move(mine), place_row);
   ParticlePlaces all;
   all.places.reserve(rows.size());

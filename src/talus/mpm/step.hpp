@@ -77,8 +77,7 @@ class Stepper final : public Simulation {
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
     std::size_t b = model_.grid.bytes() + filter_.bytes() + refinement_.bytes();
-    for (const auto& body : model_.bodies)
-      b += std::size_t(body.particles.size()) * std::size_t(body.particles.layout().n_columns()) * sizeof(double);
+    for (const auto& body : model_.bodies) b += body.particles.columns().bytes();
     for (const TileRest& rest : model_.rests) b += rest.bytes();
     return b;
   }
@@ -162,6 +161,7 @@ class Stepper final : public Simulation {
   }
   void move(const StepInput& step) {
     const bool rearranges = carried_.drift > largest_drift;
+    ++model_.n_steps_in_order;
     const SumsByTile motion = move_particles(model_, step, rearranges);
     const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
     ledger_.add_motion(of_motion, step.dt);

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
+#include <map>
 #include <numbers>
-#include <unordered_set>
 
 #include "talus/output/patches.hpp"
 
@@ -24,26 +25,48 @@ struct Reach {
 
 /// The range [low, high] of the particles that are connected to the median by strips of a given width that all hold a part
 /// of a particle. Particles of a failed run that have no finite place do not count.
-std::pair<double, double> connected_range(std::vector<Reach> particles, double width) {
-  std::erase_if(particles, [&](const Reach& p) { return !(std::abs(p.centre) < 1e9 * width); });
-  if (particles.empty()) return {0, 0};
-  const auto strip_of = [&](double x) { return std::floor(x / width); };
-  const auto median = particles.begin() + particles.size() / 2;
-  std::nth_element(particles.begin(), median, particles.end(),
-                   [](const Reach& a, const Reach& b) { return a.centre < b.centre; });
-  std::unordered_set<double> strips;
+std::pair<double, double> connected_range(const std::vector<Reach>& particles, double width) {
+  const auto counts = [&](const Reach& p) { return std::abs(p.centre) < 1e9 * width; };
+  const auto strip_of = [&](double x) {  // std::floor takes longer
+    const double share = x / width;
+    const long towards_zero = long(share);
+    return towards_zero - (share < double(towards_zero));
+  };
+  struct Strip {
+    long n_centres = 0;
+    bool holds_material = false;
+  };
+  std::map<long, Strip> strips;
+  auto latest = strips.end();  // particles that follow one another are often in the same strip
+  const auto at = [&](long strip) -> Strip& {
+    if (latest == strips.end() || latest->first != strip) latest = strips.try_emplace(strip).first;
+    return latest->second;
+  };
+  long n = 0;
   const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
   for (const Reach& p : particles) {
+    if (!counts(p)) continue;
+    ++n;
     const double half = std::min(p.half, width) - rounding;  // grains that fly apart fill any volume
-    for (double strip = strip_of(p.centre - half); strip <= strip_of(p.centre + half); ++strip) strips.insert(strip);
+    const long end = strip_of(p.centre + half);
+    for (long strip = strip_of(p.centre - half); strip <= end; ++strip) at(strip).holds_material = true;
+    ++at(strip_of(p.centre)).n_centres;
   }
+  if (n == 0) return {0, 0};
 
-  double low = strip_of(median->centre), high = low;
-  while (strips.contains(low - 1)) --low;
-  while (strips.contains(high + 1)) ++high;
-  double least = median->centre, most = least;
+  auto median = strips.begin();
+  for (long before = median->second.n_centres; before <= n / 2; before += median->second.n_centres) ++median;
+  const auto holds_material = [&](long strip) {
+    const auto found = strips.find(strip);
+    return found != strips.end() && found->second.holds_material;
+  };
+  long low = median->first, high = low;
+  while (holds_material(low - 1)) --low;
+  while (holds_material(high + 1)) ++high;
+  double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Reach& p : particles) {
-    if (strip_of(p.centre) < low || strip_of(p.centre) > high) continue;
+    if (!counts(p)) continue;
+    if (const long strip = strip_of(p.centre); strip < low || strip > high) continue;
     least = std::min(least, p.centre - p.half);
     most = std::max(most, p.centre + p.half);
   }
@@ -176,13 +199,13 @@ void OutlineFinder::find_fronts_around_axis(const ParticlePlaces& particles, Out
   outline.surface = surface_of(patches);
 }
 
-Outline OutlineFinder::find(const ParticlePlaces& particles) const {
-  Outline outline;
+void OutlineFinder::find_farthest(const ParticlePlaces& particles, Outline& outline) const {
   const std::vector<Vec<3>>& places = particles.places;
   const int up = dim_ - 1;
   std::vector<Reach> along(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) along[i].half = half_size_of(particles, i);
   const auto range_along = [&](int axis) {
-    for (std::size_t i = 0; i < places.size(); ++i) along[i] = {places[i][axis], half_size_of(particles, i)};
+    for (std::size_t i = 0; i < places.size(); ++i) along[i].centre = places[i][axis];
     return connected_range(along, cell_);
   };
   for (int axis = 0; axis < dim_ - 1; ++axis) {
@@ -193,15 +216,21 @@ Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   outline.height = range_along(up).second - floor_;
   std::vector<Reach> near_axis;
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const double r = radius_of(places[i]);
-    if (r <= near_axis_cells * cell_) near_axis.push_back({places[i][up], half_size_of(particles, i)});
-    along[i] = {r, half_size_of(particles, i)};
+    along[i].centre = radius_of(places[i]);
+    if (along[i].centre <= near_axis_cells * cell_) near_axis.push_back({places[i][up], along[i].half});
   }
   outline.height_at_axis = near_axis.empty() ? 0 : connected_range(near_axis, cell_).second - floor_;
   if (dim_ == 3) outline.farthest_radius = connected_range(along, cell_).second;
   if (axisymmetric_) outline.farthest_radius = outline.farthest_max[0];
+}
+
+Outline OutlineFinder::find(const ParticlePlaces& particles) const {
+  Outline outline;
+  // Other members of the outline than the other thread's.
+  const auto farthest = std::async(std::launch::async, [&] { find_farthest(particles, outline); });
   if (!axisymmetric_) find_fronts_along_axes(particles, outline);
   if (dim_ == 3 || axisymmetric_) find_fronts_around_axis(particles, outline);
+  farthest.wait();
   return outline;
 }
 

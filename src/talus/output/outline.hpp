@@ -50,6 +50,8 @@ class OutlineFinder {
   /// The material on patches of ground, and on rings about the axis.
   Patches ground(const ParticlePlaces& particles) const;
   Patches rings(const ParticlePlaces& particles) const;
+  /// What single particles reach: all but fronts and the surface.
+  void find_farthest(const ParticlePlaces& particles, Outline& outline) const;
   /// Fronts along x and y; in plane strain also the surface.
   void find_fronts_along_axes(const ParticlePlaces& particles, Outline& outline) const;
   /// Front along the radius, and the surface over it.

@@ -46,7 +46,8 @@ struct RandomTile {
     for (auto& x : places)
       for (int a = 0; a < Dim; ++a) x[a] = h * number(0, 4);
     bodies.push_back({"", 1, LinearElastic{1, 0}, particles_at<Dim>(places), {}});
-    sort_by_cell(bodies, domain, occupied_tiles(bodies, domain), *make_serial());
+    const auto backend = make_serial();
+    sort_by_cell(bodies, all_rows(bodies, *backend), domain, occupied_tiles(bodies, domain, *backend), *backend);
     auto& p = bodies[0].particles;
     for (int i = 0; i < n; ++i) {
       for (int a = 0; a < Dim; ++a) {

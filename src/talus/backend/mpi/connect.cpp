@@ -134,7 +134,8 @@ class Mpi final : public Transport {
   int process() const override { return own_; }
   int n_on_this_machine() const override { return n_here_; }
 
-  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work) override {
+  std::vector<int> divide(int dim, const std::vector<int>& places, const std::vector<long>& work,
+                          long n_steps) override {
     expect_no_failure();
     if (work.empty()) return {};
     const TilesOfRun tiles{dim, &places, &work};
@@ -145,9 +146,10 @@ class Mpi final : public Transport {
         for (const double part : parts) owners.push_back(int(part));
     };
     if (division_->is_cut(dim)) find_owners();
-    if (owners.empty() || imbalance(owners, work, n_) > most_imbalance) {
+    if (owners.empty() || loss_.calls_for_a_cut(owners, work, n_, n_steps)) {
       division_->cut(tiles);
       find_owners();
+      loss_.start(owners, work, n_);
     }
     return owners;
   }
@@ -373,7 +375,8 @@ class Mpi final : public Transport {
   }
   void wait_from(Clock::time_point start, std::vector<MPI_Request>& requests) {
     // Where processes share processors, one that asks takes the time of one that works.
-    const bool is_crowded = n_here_ > int(std::thread::hardware_concurrency());
+    static const int n_processors = int(std::thread::hardware_concurrency());
+    const bool is_crowded = n_here_ > n_processors;
     const Clock::duration asks = is_crowded ? std::chrono::microseconds(20) : std::chrono::milliseconds(5);
     for (long round = 0;; ++round) {
       int done = 0;
@@ -393,6 +396,7 @@ class Mpi final : public Transport {
   int n_ = 1, own_ = 0, n_here_ = 1;
   MPI_Comm messages_ = MPI_COMM_NULL, failures_ = MPI_COMM_NULL, of_libraries_ = MPI_COMM_NULL;
   std::optional<TileDivision> division_;
+  LossOfDivision loss_;
   Exchange under_way_;
   Clock::time_point advanced_{};  ///< when its messages have last been looked after
   Traffic traffic_;

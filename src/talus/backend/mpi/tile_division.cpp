@@ -1,7 +1,10 @@
 #include "talus/backend/mpi/tile_division.hpp"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
+
+#include "talus/backend/transport.hpp"
 
 namespace talus {
 
@@ -110,6 +113,21 @@ double imbalance(const std::vector<int>& owners, const std::vector<long>& work, 
     all += double(work[t]);
   }
   return all > 0 ? *std::max_element(of_owner.begin(), of_owner.end()) * n_owners / all : 1;
+}
+
+void LossOfDivision::start(const std::vector<int>& owners, const std::vector<long>& work, int n_owners) {
+  at_start_ = imbalance(owners, work, n_owners);
+  lost_ = 0;
+}
+
+bool LossOfDivision::calls_for_a_cut(const std::vector<int>& owners, const std::vector<long>& work, int n_owners,
+                                     long n_steps) {
+  // Of a cut: Zoltan's time, measured (docs/many_machines.md), and steps that take as long as giving half of the particles away.
+  constexpr double of_tile = 4e3, steps_to_give_away = 1;
+  const double now = imbalance(owners, work, n_owners);
+  const double mean = std::accumulate(work.begin(), work.end(), 0.0) / n_owners;
+  lost_ += double(n_steps) * mean * std::max(0.0, now - at_start_);
+  return now > most_imbalance || lost_ > of_tile * double(work.size()) + steps_to_give_away * mean;
 }
 
 }  // namespace talus

@@ -44,4 +44,18 @@ class TileDivision {
 /// Largest sum of work of an owner over the mean of all.
 double imbalance(const std::vector<int>& owners, const std::vector<long>& work, int n_owners);
 
+/// The time that has been lost since tiles were cut because work is less equal than it was then. `work`: of each tile in a step
+/// [ns].
+class LossOfDivision {
+ public:
+  /// After a cut.
+  void start(const std::vector<int>& owners, const std::vector<long>& work, int n_owners);
+  /// Adds what has been lost in `n_steps`. Returns true if all is more than a cut takes, or if the largest work exceeds
+  /// `most_imbalance` times the mean.
+  bool calls_for_a_cut(const std::vector<int>& owners, const std::vector<long>& work, int n_owners, long n_steps);
+
+ private:
+  double at_start_ = 1, lost_ = 0;  ///< lost [ns]
+};
+
 }  // namespace talus

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <random>
+#include <utility>
 #include <vector>
 
 namespace talus {
@@ -20,6 +21,19 @@ class Random {
  private:
   std::mt19937_64 engine_;
 };
+
+/// Whether a body fills a shape; others list their particles.
+bool is_shape(const BodySpec& body) {
+  return !std::holds_alternative<PointList>(body.region) && !std::holds_alternative<SurfaceLayer>(body.region);
+}
+
+/// How many planes of the lattice a shape has across each axis.
+Index<3> planes_of_lattice(const BodySpec& body, int dim) {
+  const Box box = bounding_box(body.region, dim);
+  Index<3> n{1, 1, 1};
+  for (int a = 0; a < dim; ++a) n[a] = lattice_planes(body, box, a);
+  return n;
+}
 
 /// Whether places are on the same sides of the planes of symmetry.
 bool are_on_same_sides(const Vec<3>& x, const Vec<3>& y, const Box& kept, int dim) {
@@ -52,20 +66,15 @@ class BlueNoise {
           for (int i = parity & 1; i < n[0]; i += 2) {
             const Vec<3>& middle = middles[slot({i, j, k})];
             if (middle == nowhere) continue;
-            Vec<3> best = middle;
-            double farthest = -1;
-            for (int c = 0; c < candidates; ++c) {
-              const Vec<3> x = scattered(middle, 0.5 * body.spacing, body, kept, dim, random);
-              const double distance = squared_distance_to_nearest({i, j, k}, x);
-              if (distance <= farthest) continue;
-              farthest = distance;
-              best = x;
-            }
-            places_[slot({i, j, k})] = best;
+            Candidates some;
+            for (int c = 0; c < candidates; ++c)
+              some.set(c, scattered(middle, 0.5 * body.spacing, body, kept, dim, random));
+            for_each_around({i, j, k}, [&](const Vec<3>& other) { some.see(other); });
+            places_[slot({i, j, k})] = some.farthest();
           }
   }
 
-  const std::vector<Vec<3>>& places() const { return places_; }
+  std::vector<Vec<3>> take_places() { return std::move(places_); }
   static constexpr Vec<3> nowhere{1e300, 1e300, 1e300};
 
  private:
@@ -74,55 +83,73 @@ class BlueNoise {
   std::size_t slot(const Index<3>& at) const {
     return std::size_t(at[0]) + std::size_t(n_[0]) * (std::size_t(at[1]) + std::size_t(n_[1]) * std::size_t(at[2]));
   }
-  double squared_distance_to_nearest(const Index<3>& at, const Vec<3>& x) const {
-    double nearest = 1e300;
+  /// Calls f(place) for what stands in the cubes around one so far.
+  template <class F>
+  void for_each_around(const Index<3>& at, F f) const {
     for (int k = std::max(0, at[2] - 1); k <= std::min(n_[2] - 1, at[2] + 1); ++k)
       for (int j = std::max(0, at[1] - 1); j <= std::min(n_[1] - 1, at[1] + 1); ++j)
-        for (int i = std::max(0, at[0] - 1); i <= std::min(n_[0] - 1, at[0] + 1); ++i) {
-          const Vec<3>& other = places_[slot({i, j, k})];
-          if (other == nowhere) continue;
-          const Vec<3> d = x - other;
-          nearest = std::min(nearest, dot(d, d));
-        }
-    return nearest;
+        for (int i = std::max(0, at[0] - 1); i <= std::min(n_[0] - 1, at[0] + 1); ++i)
+          if (const Vec<3>& other = places_[slot({i, j, k})]; other != nowhere) f(other);
   }
+
+  /// Places in one cube, axis by axis, and the squared distance of each to the nearest of what stands around it.
+  struct Candidates {
+    double x[3][candidates], distance[candidates];
+
+    Candidates() { std::fill(distance, distance + candidates, 1e300); }
+    void set(int c, const Vec<3>& place) {
+      for (int a = 0; a < 3; ++a) x[a][c] = place[a];
+    }
+    void see(const Vec<3>& other) {
+      for (int c = 0; c < candidates; ++c) {
+        const double dx = x[0][c] - other[0], dy = x[1][c] - other[1], dz = x[2][c] - other[2];
+        distance[c] = std::min(distance[c], dx * dx + dy * dy + dz * dz);
+      }
+    }
+    Vec<3> farthest() const {
+      const auto c = std::max_element(distance, distance + candidates) - distance;
+      return {x[0][c], x[1][c], x[2][c]};
+    }
+  };
 
   Index<3> n_;
   std::vector<Vec<3>> places_;
 };
 
-/// Calls f(place) for the particles that fill a shape.
+/// Calls f(place, whether it lies in the shape) for the places of the lattice around a shape.
 template <class F>
-void for_each_place(const Case& case_, const BodySpec& body, const Box& kept, F f) {
+void for_each_place(const Case& case_, const BodySpec& body, F f) {
   const int dim = case_.dim;
   const Box box = bounding_box(body.region, dim);
   const double offset = body.lattice == Lattice::corner ? 0 : 0.5;
-  Index<3> n{1, 1, 1};
-  for (int a = 0; a < dim; ++a) n[a] = lattice_planes(body, box, a);
-  const bool blue = body.lattice == Lattice::blue_noise;
-  Random random(body.seed);
-  std::vector<Vec<3>> middles;
+  const Index<3> n = planes_of_lattice(body, dim);
   for (int k = 0; k < n[2]; ++k)
     for (int j = 0; j < n[1]; ++j)
       for (int i = 0; i < n[0]; ++i) {
         Vec<3> x{};
         const Index<3> at{i, j, k};
         for (int a = 0; a < dim; ++a) x[a] = box.min[a] + (at[a] + offset) * body.spacing;
-        const bool is_inside = contains(body.region, x, dim);
-        if (blue)
-          middles.push_back(is_inside ? x : BlueNoise::nowhere);
-        else if (is_inside)
-          f(body.scatter > 0 ? scattered(x, body.scatter * body.spacing, body, kept, dim, random) : x);
+        f(x, contains(body.region, x, dim));
       }
-  if (!blue) return;
-  const BlueNoise noise(body, kept, dim, n, middles);
-  for (const Vec<3>& x : noise.places())
-    if (x != BlueNoise::nowhere) f(x);
+}
+
+/// The places of a shape that is filled with blue noise; of others none.
+std::vector<Vec<3>> blue_noise(const Case& case_, const BodySpec& body, const Box& kept) {
+  if (!is_shape(body) || body.lattice != Lattice::blue_noise) return {};
+  std::vector<Vec<3>> middles;
+  for_each_place(case_, body,
+                 [&](const Vec<3>& x, bool is_inside) { middles.push_back(is_inside ? x : BlueNoise::nowhere); });
+  std::vector<Vec<3>> places =
+      BlueNoise(body, kept, case_.dim, planes_of_lattice(body, case_.dim), middles).take_places();
+  std::erase(places, BlueNoise::nowhere);
+  return places;
 }
 
 /// Calls f(place, volume) for the particles of a body, on this side of planes of symmetry. Volumes in a shape are relative.
+/// `noise`: its blue noise.
 template <class F>
-void for_each_particle(const Case& case_, const BodySpec& body, const Box& kept, F f) {
+void for_each_particle(const Case& case_, const BodySpec& body, const Box& kept, const std::vector<Vec<3>>& noise,
+                       F f) {
   const double close = 1e-9 * case_.cell;
   const auto keep = [&](Vec<3> x, double volume) {
     for (int a = 0; a < case_.dim; ++a) {
@@ -137,11 +164,20 @@ void for_each_particle(const Case& case_, const BodySpec& body, const Box& kept,
   };
   if (const auto* list = std::get_if<PointList>(&body.region)) {
     for (std::size_t i = 0; i < list->places.size(); ++i) keep(list->places[i], list->volumes[i]);
-  } else if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
-    for_each_point(*layer, keep);
-  } else {
-    for_each_place(case_, body, kept, [&](const Vec<3>& x) { keep(x, case_.axisymmetric ? x[0] : 1); });
+    return;
   }
+  if (const auto* layer = std::get_if<SurfaceLayer>(&body.region)) {
+    for_each_point(*layer, keep);
+    return;
+  }
+  const auto keep_place = [&](const Vec<3>& x) { keep(x, case_.axisymmetric ? x[0] : 1); };
+  for (const Vec<3>& x : noise) keep_place(x);
+  if (body.lattice == Lattice::blue_noise) return;
+  Random random(body.seed);
+  for_each_place(case_, body, [&](const Vec<3>& x, bool is_inside) {
+    if (is_inside)
+      keep_place(body.scatter > 0 ? scattered(x, body.scatter * body.spacing, body, kept, case_.dim, random) : x);
+  });
 }
 
 /// The volume that the particles of a shape share [m3], around an axis per radian.
@@ -170,17 +206,18 @@ double lattice_places(const Case& case_, const BodySpec& body) {
 
 Filling fill(const Case& case_, const BodySpec& body, Part part) {
   const Box kept = kept_by_symmetry(case_);
+  const std::vector<Vec<3>> noise = blue_noise(case_, body, kept);
   Filling filling;
   long last = std::numeric_limits<long>::max();
   if (part.of > 1) {
     long n = 0;
-    for_each_particle(case_, body, kept, [&](const Vec<3>&, double) { ++n; });
+    for_each_particle(case_, body, kept, noise, [&](const Vec<3>&, double) { ++n; });
     filling.first = n * part.number / part.of;
     last = n * (part.number + 1) / part.of;
   }
   double sum = 0;
   Vec<3> moment{};
-  for_each_particle(case_, body, kept, [&](const Vec<3>& x, double volume) {
+  for_each_particle(case_, body, kept, noise, [&](const Vec<3>& x, double volume) {
     const long number = filling.n_of_body++;
     sum += volume;
     moment = moment + volume * x;
@@ -189,8 +226,7 @@ Filling fill(const Case& case_, const BodySpec& body, Part part) {
     filling.volumes.push_back(volume);
   });
   filling.centre = (1 / sum) * moment;
-  if (std::holds_alternative<PointList>(body.region) || std::holds_alternative<SurfaceLayer>(body.region))
-    return filling;
+  if (!is_shape(body)) return filling;
   // The points share the exact volume of the region, so its mass is exact whatever the lattice; around an axis in
   // proportion to their radius.
   const double whole = volume_to_share(case_, body, kept);

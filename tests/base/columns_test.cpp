@@ -1,0 +1,54 @@
+/// Tables of particles.
+
+#include "talus/base/columns.hpp"
+
+#include <gtest/gtest.h>
+
+namespace talus::columns_test {
+
+std::vector<double> column(const Columns& table, int c) { return {table.column(c), table.column(c) + table.size()}; }
+Columns table_of(const std::vector<double>& values) {
+  Columns table(1);
+  table.resize(int(values.size()));
+  std::copy(values.begin(), values.end(), table.column(0));
+  return table;
+}
+
+TEST(Columns, RowsThatComeAreZeroEvenWhereOthersHaveBeen) {
+  Columns table = table_of({1, 2, 3, 4});
+  table.resize(3);
+  table.resize(5);
+  EXPECT_EQ(column(table, 0), (std::vector<double>{1, 2, 3, 0, 0}));
+}
+
+TEST(Columns, ATableThatKeepsGrowingRarelyNeedsNewMemory) {
+  Columns table(2);
+  table.resize(1000);
+  EXPECT_EQ(table.bytes(), 2 * 1000 * sizeof(double)) << "at first it takes what it needs";
+  int n_times = 0;
+  for (int n = 1001; n <= 2000; ++n) {
+    const double* before = table.column(0);
+    table.resize(n);
+    n_times += table.column(0) != before;
+  }
+  EXPECT_LE(n_times, 12) << "log(2)/log(17/16) = 11.4";
+  EXPECT_LE(table.bytes(), 2 * 2000 * sizeof(double) * 17 / 16);
+}
+
+TEST(Columns, ATableThatShrinksGivesBackItsMemoryOnceItNeedsLessThanHalf) {
+  Columns table(1);
+  table.resize(1000);
+  table.resize(500);
+  EXPECT_EQ(table.bytes(), 1000 * sizeof(double));
+  table.resize(499);
+  EXPECT_EQ(table.bytes(), 499 * sizeof(double));
+}
+
+TEST(Columns, FewerRowsMayBeTakenThanThereAre) {
+  Columns table = table_of({10, 11, 12, 13});
+  std::vector<double> spare(2);
+  table.permute(0, {3, 1}, spare);
+  EXPECT_EQ(column(table, 0), (std::vector<double>{13, 11, 12, 13})) << "those behind keep their values";
+}
+
+}  // namespace talus::columns_test
