@@ -1,5 +1,6 @@
 /// A run in space keeps its particles, and goes on from its checkpoint, however many it has. `TALUS_POINTS=1e8` runs it with so
-/// many, on all processors, and prints the memory and time that it takes; docs/many_machines.md has the result.
+/// many, on all processors, and prints the memory and time that it takes; `TALUS_NUMBERS=2.15e9` makes an array of so many.
+/// docs/many_machines.md has the results.
 
 #include "talus/output/checkpoint.hpp"
 
@@ -11,6 +12,7 @@
 #include <cstring>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -118,18 +120,43 @@ TEST_F(ARunInSpace, KeepsItsParticlesAndGoesOnFromItsCheckpointWithTheSameBits) 
     meter.lap("two steps");
     expect_all_there(*simulation, what);
     meter.lap("looked through");
-    Checkpoints(folder_, nullptr).write({}, *simulation);
+    Checkpoints(folder_, nullptr).write({}, simulation->save());
     meter.lap("checkpoint written");
     simulation->step();
     unbroken = hashes_of(*simulation);
     meter.lap("a step more, and hashes");
   }
   const auto simulation = make_simulation(what, *threads);
-  read_checkpoint(Checkpoints::file(folder_, 0)).restore(*simulation);
+  simulation->restore(read_checkpoint(Checkpoints::file(folder_, 0)).arrays());
   meter.lap("filled again, and resumed");
   simulation->step();
   EXPECT_EQ(hashes_of(*simulation), unbroken);
   meter.lap("a step more, and hashes");
+}
+
+class AnArrayOfACheckpoint : public FolderOfItsOwn {};
+
+TEST_F(AnArrayOfACheckpoint, IsReadAsItWasWrittenHoweverLongItIs) {
+  const char* by_hand = std::getenv("TALUS_NUMBERS");
+  const auto n = std::size_t(by_hand ? std::atof(by_hand) : 3e6);
+  Meter meter(by_hand, double(n));
+  const StateArray numbers{"numbers", n, 0, [&] {
+                             std::vector<double> all(n);
+                             std::iota(all.begin(), all.end(), 0.5);
+                             return all;
+                           }};
+  Checkpoints(folder_, nullptr).write({}, {numbers});
+  meter.lap("written");
+  const ReadArray read = read_checkpoint(Checkpoints::file(folder_, 0)).arrays();
+  meter.lap("checksum");
+  constexpr std::size_t piece = 1 << 20;
+  for (std::size_t first = 0; first < n; first += piece) {
+    const std::vector<double> some = read("numbers", first, piece);
+    ASSERT_EQ(some.size(), std::min(piece, n - first));
+    for (std::size_t i = 0; i < some.size(); ++i) ASSERT_EQ(some[i], double(first + i) + 0.5);
+  }
+  EXPECT_TRUE(read("numbers", n, piece).empty());
+  meter.lap("read");
 }
 
 }  // namespace talus::checkpoint_test

@@ -62,7 +62,7 @@ void write_run(const fs::path& folder, const Task& task, const Case& case_, cons
   fs::remove_all(folder);
   fs::create_directories(folder);
   write_whole(folder / "case.toml", task.case_text);
-  Checkpoints(folder, nullptr).write(so_far, simulation, processes().fill_of(simulation));
+  Checkpoints(folder, nullptr).write(so_far, simulation.save(), processes().fill_of(simulation));
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ std::string write_reproducer(const Task& task, const Case& case_, Backend& loop,
   std::optional<SavedRun> saved = newest_checkpoint(task.folder, task.input.understood, [](const auto&) {});
   if (!saved) return "";
   const auto simulation = processes().make_simulation(case_, task.case_file, task.case_text, loop);
-  saved->restore(*simulation);
+  simulation->restore(saved->arrays());
   if (failure.step - saved->so_far.step <= steps_before)
     return fmt::format("{}To repeat the failure\n  {}", repeat_break(*simulation, failure),
                        command_to_resume(task, task.folder, threads));

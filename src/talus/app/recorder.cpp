@@ -26,7 +26,7 @@ namespace {
 /// The checkpoints of a run; a new one gets its first, so that there is one as soon as there are results.
 Checkpoints checkpoints_of(const Task& task, const RunSoFar& so_far, const Simulation& simulation) {
   Checkpoints checkpoints(task.folder, task.saved ? &*task.saved : nullptr);
-  if (!task.saved) checkpoints.write(so_far, simulation, processes().fill_of(simulation));
+  if (!task.saved) checkpoints.write(so_far, simulation.save(), processes().fill_of(simulation));
   return checkpoints;
 }
 
@@ -137,7 +137,7 @@ void Recorder::write_checkpoint(const Simulation& simulation) {
   so_far_.profile = maps_.profile_state();
   so_far_.snapshots = snapshots_.times();
   so_far_.instants = pictures_.times();
-  checkpoints_.write(so_far_, simulation, processes().fill_of(simulation));
+  checkpoints_.write(so_far_, simulation.save(), processes().fill_of(simulation));
   checkpoint_at_ = clock_.wall_seconds();
 }
 

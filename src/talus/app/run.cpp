@@ -138,7 +138,7 @@ RunSoFar Run::restore_or_claim_folder() {
           "the meshes or maps that the case reads have changed since the run started. Restore them to resume, or start "
           "a "
           "new run in another folder");
-    task_.saved->restore(*simulation_);
+    simulation_->restore(task_.saved->arrays());
     fs::remove(task_.folder / "failure.hdf");  // is written again if the run fails again
     fs::remove_all(task_.folder / "failure");
     if (so_far.time < case_.end) so_far.resumed_at.push_back(so_far.time);

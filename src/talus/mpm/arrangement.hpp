@@ -46,12 +46,11 @@ std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
     }
   }
   std::vector<ClosedContact<Dim>> all;
-  for (const Message& rows : m.backend.gather(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += Dim + 4) {
-      ClosedContact<Dim> c{{}, long(row[Dim]), int(row[Dim + 1]), int(row[Dim + 2]), row[Dim + 3] != 0};
-      for (int a = 0; a < Dim; ++a) c.tile[a] = int(row[a]);
-      all.push_back(c);
-    }
+  for_each_row(m.backend.gather(mine), Dim + 4, [&](const double* row) {
+    ClosedContact<Dim> c{{}, long(row[Dim]), int(row[Dim + 1]), int(row[Dim + 2]), row[Dim + 3] != 0};
+    std::copy_n(row, Dim, c.tile.begin());
+    all.push_back(c);
+  });
   std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile_number < b.tile_number; });
   return all;
 }
@@ -101,13 +100,12 @@ std::vector<RestingTile<Dim>> resting_tiles(const Model<Dim, Shape>& m) {
     mine.insert(mine.end(), numbers.begin(), numbers.end());
   }
   constexpr std::size_t n = sizeof(RestState) / sizeof(double);
-  for (const Message& rows : m.backend.gather(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += Dim + 2 + n) {
-      RestingTile<Dim> r{{}, long(row[Dim]), row[Dim + 1], {}};
-      for (int a = 0; a < Dim; ++a) r.tile[a] = int(row[a]);
-      set_from_image(r.state, {row + Dim + 2, row + Dim + 2 + n});
-      all.push_back(r);
-    }
+  for_each_row(m.backend.gather(mine), Dim + 2 + n, [&](const double* row) {
+    RestingTile<Dim> r{{}, long(row[Dim]), row[Dim + 1], {}};
+    std::copy_n(row, Dim, r.tile.begin());
+    set_from_image(r.state, {row + Dim + 2, row + Dim + 2 + n});
+    all.push_back(r);
+  });
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile_number < b.tile_number; });
   return all;
 }

@@ -89,6 +89,13 @@ inline double largest_of_owners(Backend& backend, double mine) {
   return mine;
 }
 
+/// Calls f(row) for the rows of which messages consist, one after the other; row points to the first of `n` numbers.
+template <class F>
+void for_each_row(const std::vector<Message>& messages, std::size_t n, F f) {
+  for (const Message& m : messages)
+    for (std::size_t i = 0; i < m.size(); i += n) f(m.data() + i);
+}
+
 /// Gathers several messages with one synchronisation. Returns, for each of them, those of all owners in their order.
 inline std::vector<std::vector<Message>> gather_several(Backend& backend, const std::vector<Message>& messages) {
   Message mine;

@@ -18,12 +18,11 @@ OccupiedTiles<Dim> gather(Backend& backend, const OccupiedTiles<Dim>& own) {
     mine.push_back(double(own.work[t]));
   }
   OccupiedTiles<Dim> all;
-  for (const Message& m : backend.gather(mine))
-    for (std::size_t i = 0; i < m.size(); i += Dim + 1) {
-      Index<Dim> place;
-      for (int a = 0; a < Dim; ++a) place[a] = int(m[i + std::size_t(a)]);
-      all.add(place, long(m[i + Dim]));
-    }
+  for_each_row(backend.gather(mine), Dim + 1, [&](const double* row) {
+    Index<Dim> place;
+    std::copy_n(row, Dim, place.begin());
+    all.add(place, long(row[Dim]));
+  });
   all.sort();
   return all;
 }
@@ -113,12 +112,11 @@ std::vector<CellRange<Dim>> gather(Backend& backend, const OccupiedTiles<Dim>& a
       mine.insert(mine.end(), corner.begin(), corner.end());
   }
   std::vector<CellRange<Dim>> cells(all.places.size());
-  for (const Message& m : backend.gather(mine))
-    for (std::size_t i = 0; i < m.size();) {
-      CellRange<Dim>& r = cells[std::size_t(m[i++])];
-      for (Index<Dim>* corner : {&r.low, &r.high})
-        for (int a = 0; a < Dim; ++a) (*corner)[a] = int(m[i++]);
-    }
+  for_each_row(backend.gather(mine), 2 * Dim + 1, [&](const double* row) {
+    CellRange<Dim>& r = cells[std::size_t(*row)];
+    std::copy_n(row + 1, Dim, r.low.begin());
+    std::copy_n(row + 1 + Dim, Dim, r.high.begin());
+  });
   return cells;
 }
 

@@ -55,7 +55,7 @@ class GatheredRows {
       all_ = backend.gather_at_first(mine);
     std::size_t n = 0;
     double first = std::numeric_limits<double>::infinity(), last = -first;
-    for_each_row(n_numbers, [&](const double* row) {
+    for_each_row(all_, n_numbers, [&](const double* row) {
       ++n;
       first = std::min(first, *row);
       last = std::max(last, *row);
@@ -63,11 +63,11 @@ class GatheredRows {
     if (n == 0) return;
     if (last - first < 4 * double(n)) {  // ids are whole numbers, of which most are there
       rows_.assign(std::size_t(last - first) + 1, nullptr);
-      for_each_row(n_numbers, [&](const double* row) { rows_[std::size_t(*row - first)] = row; });
+      for_each_row(all_, n_numbers, [&](const double* row) { rows_[std::size_t(*row - first)] = row; });
       std::erase(rows_, nullptr);
     } else {
       rows_.reserve(n);
-      for_each_row(n_numbers, [&](const double* row) { rows_.push_back(row); });
+      for_each_row(all_, n_numbers, [&](const double* row) { rows_.push_back(row); });
       std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
     }
   }
@@ -76,12 +76,6 @@ class GatheredRows {
   auto end() const { return rows_.end(); }
 
  private:
-  template <class F>
-  void for_each_row(std::size_t n_numbers, F f) const {
-    for (const Message& of_owner : all_)
-      for (const double* row = of_owner.data(); row != of_owner.data() + of_owner.size(); row += n_numbers) f(row);
-  }
-
   std::vector<Message> all_;
   std::vector<const double*> rows_;
 };
@@ -158,9 +152,9 @@ std::vector<TilePressure> pressures_of(const Model<Dim, Shape>& m) {
       mine.insert(mine.end(),
                   {double(p.tile[0]), double(p.tile[1]), double(p.tile[2]), p.volume, p.pressure, p.scatter, p.speed});
   std::vector<TilePressure> all;
-  for (const Message& rows : m.backend.gather_at_first(mine))
-    for (const double* row = rows.data(); row != rows.data() + rows.size(); row += 7)
-      all.push_back({{int(row[0]), int(row[1]), int(row[2])}, row[3], row[4], row[5], row[6]});
+  for_each_row(m.backend.gather_at_first(mine), 7, [&](const double* row) {
+    all.push_back({{int(row[0]), int(row[1]), int(row[2])}, row[3], row[4], row[5], row[6]});
+  });
   std::sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
   return all;
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 
@@ -233,11 +234,11 @@ std::vector<std::string> differences(const std::vector<Understood>& before, cons
 
 }  // namespace
 
-void SavedRun::restore(Simulation& simulation) const {
+ReadArray SavedRun::arrays() const {
   hdf5::begin();
-  const StateFile state(file);
-  simulation.restore(
-      [&](const std::string& name, std::size_t first, std::size_t n) { return state.read(name, first, n); });
+  return [state = std::make_shared<StateFile>(file)](const std::string& name, std::size_t first, std::size_t n) {
+    return state->read(name, first, n);
+  };
 }
 
 std::map<std::string, std::vector<double>> SavedRun::state() const {
@@ -266,13 +267,12 @@ Checkpoints::Checkpoints(fs::path folder, const SavedRun* saved)
   step_ = saved->so_far.step;
 }
 
-void Checkpoints::write(const RunSoFar& so_far, const Simulation& simulation, const FillArrays& fill) {
+void Checkpoints::write(const RunSoFar& so_far, const std::vector<StateArray>& arrays, const FillArrays& fill) {
   nlohmann::json json{{"version", version()}, {"build", build()}, {"number", number_ + 1}, {"run", so_far}};
   json["run"].erase("case_text");
   Writer out(file(folder_, 1 - place_));
   out.text("case", so_far.case_text);
   out.text("run", json.dump(1, ' ', false, nlohmann::json::error_handler_t::replace));
-  const std::vector<StateArray> arrays = simulation.save();
   out.make(arrays);
   if (!fill) out.fill(arrays);
   const fs::path& unfinished = out.close();

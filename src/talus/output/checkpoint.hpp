@@ -64,8 +64,8 @@ struct SavedRun {
   long number = 0;  ///< of the checkpoints that the run has made
   RunSoFar so_far;
 
-  /// Reads the arrays of Simulation::save, a piece at a time.
-  void restore(Simulation& simulation) const;
+  /// Reads the arrays of Simulation::save, a piece at a time. The file stays open as long as the function is there.
+  ReadArray arrays() const;
   /// All of these arrays.
   std::map<std::string, std::vector<double>> state() const;
 };
@@ -82,9 +82,10 @@ class Checkpoints {
   /// For a run in a folder; `saved` is the checkpoint it resumes from, null for a new run.
   Checkpoints(std::filesystem::path folder, const SavedRun* saved);
 
-  /// Writes one in place of the older of the last two; it is on the disk when this returns. `fill`: of several processes.
-  /// Throws std::runtime_error if it cannot be written; the last two then stay as they are.
-  void write(const RunSoFar& so_far, const Simulation& simulation, const FillArrays& fill = {});
+  /// Writes one, with the arrays of Simulation::save, in place of the older of the last two; it is on the disk when this
+  /// returns. `fill`: of several processes. Throws std::runtime_error if it cannot be written; the last two then stay as they
+  /// are.
+  void write(const RunSoFar& so_far, const std::vector<StateArray>& arrays, const FillArrays& fill = {});
   /// The last one.
   std::string last() const;
 
