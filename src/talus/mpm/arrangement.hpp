@@ -184,7 +184,7 @@ void add_work_of_nodes(std::vector<long>& work) {
 }
 
 /// Updates the costs of bodies from the measured time of their stress updates by this owner: its particles may yield where
-/// those of others are at rest. Every time counts half as much as those after it.
+/// those of others are at rest. A measurement counts as much as all before it.
 template <int Dim, class Shape>
 void measure_costs(Model<Dim, Shape>& m) {
   if (m.backend.n_owners() == 1) return;

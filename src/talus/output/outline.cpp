@@ -227,10 +227,10 @@ void OutlineFinder::find_farthest(const ParticlePlaces& particles, Outline& outl
 Outline OutlineFinder::find(const ParticlePlaces& particles) const {
   Outline outline;
   // Other members of the outline than the other thread's.
-  const auto farthest = std::async(std::launch::async, [&] { find_farthest(particles, outline); });
+  auto farthest = std::async(std::launch::async, [&] { find_farthest(particles, outline); });
   if (!axisymmetric_) find_fronts_along_axes(particles, outline);
   if (dim_ == 3 || axisymmetric_) find_fronts_around_axis(particles, outline);
-  farthest.wait();
+  farthest.get();
   return outline;
 }
 

@@ -122,7 +122,8 @@ void LossOfDivision::start(const std::vector<int>& owners, const std::vector<lon
 
 bool LossOfDivision::calls_for_a_cut(const std::vector<int>& owners, const std::vector<long>& work, int n_owners,
                                      long n_steps) {
-  // Of a cut: Zoltan's time, measured (docs/many_machines.md), and steps that take as long as giving half of the particles away.
+  // A cut takes Zoltan's time for each tile [ns], measured (docs/many_machines.md), and as long as steps in which half of the
+  // particles are given away.
   constexpr double of_tile = 4e3, steps_to_give_away = 1;
   const double now = imbalance(owners, work, n_owners);
   const double mean = std::accumulate(work.begin(), work.end(), 0.0) / n_owners;
