@@ -560,6 +560,11 @@ TEST(Owners, MayBeWithoutAParticle) {
   what.bodies[0].region = Box{{0.5, 0.05, 0}, {0.7, 0.25, 0}};
   what.bodies[0].velocity = {};
   expect_same_bits(what, 20, "one tile", {2, 5}, Expect::nothing);
+  Case resting = what;
+  resting.numerics.rest_tolerance = 0.05;
+  const Result half_way = expect_same_bits(resting, 20, "one tile, which may rest", {2, 5}, Expect::nothing);
+  EXPECT_EQ(difference(of_owners(1, resting, 20, &half_way.saved)[0], of_owners(5, resting, 20, &half_way.saved)[0]),
+            "");
   std::size_t most = 0, empty = 0;
   for (const Result& owner : of_owners(5, what, 3)) {
     most = std::max(most, owner.own_at_end[0].size());

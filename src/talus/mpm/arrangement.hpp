@@ -88,7 +88,7 @@ struct RestingTile {
 template <int Dim, class Shape>
 std::vector<RestingTile<Dim>> resting_tiles(const Model<Dim, Shape>& m) {
   std::vector<RestingTile<Dim>> all;
-  if (m.rests.empty()) return all;
+  if (!m.lets_ground_rest()) return all;
   Message mine;
   for (std::size_t t = 0; t < m.rests.size(); ++t) {
     const RestState& state = m.rests[t].state;
@@ -170,7 +170,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   m.grid.set_tiles(std::move(tiles), std::move(run.cells));
   m.walls->rest_on(m.grid.tiles());
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
-  m.rests.assign(m.numerics.rest_tolerance > 0 ? std::size_t(m.grid.n_tiles()) : 0, {});
+  m.rests.assign(m.lets_ground_rest() ? std::size_t(m.grid.n_tiles()) : 0, {});
   m.accounts.assign(std::size_t(m.grid.n_tiles()), {});
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);

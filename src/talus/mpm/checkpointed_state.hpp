@@ -157,7 +157,7 @@ std::vector<StateArray> save(const Model<Dim, Shape>& m, const Ledger& ledger, c
   for (const ClosedContact<Dim>& c : closed_contacts(m))
     closed.insert(closed.end(), {double(c.tile_number), double(c.node), double(c.surface), double(c.sticks)});
   add("closed contacts", std::move(closed));
-  if (!m.rests.empty()) {
+  if (m.lets_ground_rest()) {
     std::vector<double> resting;
     for (const RestingTile<Dim>& r : resting_tiles(m)) {
       const std::vector<double> numbers = image_of(r.state);
@@ -311,7 +311,7 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
     m.contacts[std::size_t(tile - m.halo.number.begin())].push_back(
         closed_contact(int(closed[i + 1]), int(closed[i + 2]), closed[i + 3] != 0));
   }
-  if (m.rests.empty()) return;
+  if (!m.lets_ground_rest()) return;
   constexpr std::size_t n = sizeof(RestState) / sizeof(double);
   const std::vector<double> resting = read_all(read, "resting tiles");
   for (std::size_t i = 0; i + n < resting.size(); i += n + 1) {

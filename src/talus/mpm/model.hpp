@@ -184,6 +184,8 @@ struct Model {
     for (const auto& body : bodies) n += body.tiles[std::size_t(t)].size();
     return n;
   }
+  /// Whether tiles may be left out of steps. All owners agree, while one without tiles has no `rests`.
+  bool lets_ground_rest() const { return numerics.rest_tolerance > 0; }
   /// Whether a tile is left out of steps because its material rests.
   bool is_left_out(int t) const { return !rests.empty() && rests[std::size_t(t)].is_left_out(); }
   TilePoints<Dim, Shape> points(const ShapedBody<Dim, Shape>& body, int t) const {
