@@ -65,7 +65,7 @@ TEST(Migration, ParticlesArriveInTheOrderOfTheTilesThatTheyComeFrom) {
     bodies.push_back(
         {"", 1, LinearElastic{1, 0},
          particles_at<2>(first ? std::vector<Vec<2>>{{5, 1}, {6, 1}, {5, 2}} : std::vector<Vec<2>>{{5, 3}}),
-         first ? std::vector<TileParticles>{{0, 2}, {2, 3}} : std::vector<TileParticles>{{0, 1}}});
+         first ? std::vector<RowRange>{{0, 2}, {2, 3}} : std::vector<RowRange>{{0, 1}}});
     for (int i = 0; i < bodies[0].particles.size(); ++i) bodies[0].particles.id()[i] = first ? (i < 2 ? i : 3) : 2;
     Halo before;
     before.number = first ? std::vector<long>{0, 2} : std::vector<long>{1};

@@ -160,7 +160,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   m.halo = keep_held(tiles, run.cells, owners, m.backend);
   if (m.backend.n_owners() > 1) m.adding_order = talus::adding_order(owners, m.halo.number, m.backend);
   for (auto& body : m.bodies) {
-    std::vector<TileParticles> ranges(run.cells.size());
+    std::vector<RowRange> ranges(run.cells.size());
     std::size_t own = 0;
     for (std::size_t t = 0; t < ranges.size(); ++t)
       if (tiles[t].owned) ranges[t] = body.tiles[own++];

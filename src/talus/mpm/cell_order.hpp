@@ -63,10 +63,6 @@ bool are_same(const Index<Dim>& x, const Index<Dim>& y) {
   return same;
 }
 
-/// Rows [begin, end) of a table of particles.
-struct RowRange {
-  int begin, end;
-};
 /// Rows of a body's particles in some order. Rows that are not in it are left out.
 using RowOrder = std::vector<RowRange>;
 

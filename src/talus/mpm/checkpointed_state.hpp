@@ -22,7 +22,7 @@ namespace talus {
 /// What a step takes from those before, beside particles, their arrangement, ledger and tally. New members that outlive a
 /// step belong here.
 struct Carried {
-  double drift = 0;       ///< bound on how far any particle has moved since it was put in order, in cells
+  double drift = 0;       ///< the ways of the fastest particle in each step since particles were put in order [cells]
   double wave_speed = 0;  ///< [m/s]
   double viscosity = 0;   ///< [m2/s]
   double last_dt = std::numeric_limits<double>::infinity();  ///< [s]

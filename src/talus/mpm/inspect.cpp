@@ -155,7 +155,7 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 }
 
 template <int Dim>
-void put_places_of(const Body<Dim>& body, TileParticles range, bool axisymmetric, double* row) {
+void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, double* row) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {
@@ -189,7 +189,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_st
 }
 
 template <int Dim>
-void CellPressures<Dim>::add(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+void CellPressures<Dim>::add(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
                              const Index<Dim>& tile) {
   const Particles<Dim>& p = body.particles;
   std::visit(
@@ -260,7 +260,7 @@ std::string describe(const Body<Dim>& body, int i) {
 }
 
 template <int Dim>
-std::vector<double> elastic_energies(const Body<Dim>& body, TileParticles range) {
+std::vector<double> elastic_energies(const Body<Dim>& body, RowRange range) {
   const Particles<Dim>& p = body.particles;
   std::vector<double> energies;
   std::visit(
@@ -344,18 +344,18 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
                            const std::vector<std::string>&);
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&,
                            const std::vector<std::string>&);
-template void put_places_of(const Body<2>&, TileParticles, bool, double*);
-template void put_places_of(const Body<3>&, TileParticles, bool, double*);
+template void put_places_of(const Body<2>&, RowRange, bool, double*);
+template void put_places_of(const Body<3>&, RowRange, bool, double*);
 template void add_flow_of_body(const Body<2>&, double, double, Message&);
 template void add_flow_of_body(const Body<3>&, double, double, Message&);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);
 template std::string describe(const Body<3>&, int);
-template std::vector<double> elastic_energies(const Body<2>&, TileParticles);
+template std::vector<double> elastic_energies(const Body<2>&, RowRange);
 template double largest_volume_per_mass(const Body<2>&);
 template double largest_volume_per_mass(const Body<3>&);
-template std::vector<double> elastic_energies(const Body<3>&, TileParticles);
+template std::vector<double> elastic_energies(const Body<3>&, RowRange);
 template double largest_acceleration_by_loads(const Body<2>&);
 template double largest_acceleration_by_loads(const Body<3>&);
 template std::optional<Stiffening> contact_stiffening(const Body<2>&);

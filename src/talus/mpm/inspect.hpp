@@ -56,7 +56,7 @@ inline std::vector<double> joined(const std::vector<Message>& messages) {
 /// Puts the id, place, size, mass and ancestor of some of a body's particles into rows. Volumes are per radian if
 /// axisymmetric.
 template <int Dim>
-void put_places_of(const Body<Dim>& body, TileParticles range, bool axisymmetric, double* row);
+void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, double* row);
 inline constexpr std::size_t place_row = 7;  ///< numbers of a particle there
 
 /// Adds the id, place, velocity, volume, mass and volume at the start of each of a body's particles. What has more than
@@ -78,7 +78,7 @@ struct CellPressures {
   std::array<Cell, n> cells{};
 
   /// Particles beside the tile count as in its nearest cell.
-  void add(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain, const Index<Dim>& tile);
+  void add(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Index<Dim>& tile);
   TilePressure sum(const Index<Dim>& tile) const;
 };
 
@@ -88,7 +88,7 @@ std::string describe(const Body<Dim>& body, int particle);
 
 /// Elastic energy stored in each of some particles of a body [J].
 template <int Dim>
-std::vector<double> elastic_energies(const Body<Dim>& body, TileParticles range);
+std::vector<double> elastic_energies(const Body<Dim>& body, RowRange range);
 
 /// Of all particles [m3/kg].
 template <int Dim>

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/mpm/cell_order.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/kernel/gradient.hpp"
 #include "talus/mpm/model.hpp"
@@ -92,13 +93,14 @@ template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
   Message mine(n_own_particles(m) * place_row);
   double* rows_of_body = mine.data();
-  for (const auto& body : m.bodies) {
-    const long n = body.particles.size(), n_parts = m.backend.n_workers();
-    m.backend.for_each(int(n_parts), [&](int part, int) {
-      const TileParticles range{int(n * part / n_parts), int(n * (part + 1) / n_parts)};
-      put_places_of<Dim>(body, range, m.domain.axisymmetric, rows_of_body + std::size_t(range.begin) * place_row);
+  const std::vector<RowOrder> parts = all_rows(m.bodies, m.backend);
+  for (std::size_t b = 0; b < parts.size(); ++b) {
+    m.backend.for_each(int(parts[b].size()), [&](int part, int) {
+      const RowRange range = parts[b][std::size_t(part)];
+      put_places_of<Dim>(m.bodies[b], range, m.domain.axisymmetric,
+                         rows_of_body + std::size_t(range.begin) * place_row);
     });
-    rows_of_body += std::size_t(n) * place_row;
+    rows_of_body += std::size_t(m.bodies[b].particles.size()) * place_row;
   }
   const GatheredRows rows(m.backend, std::move(mine), place_row);
   ParticlePlaces all;

@@ -123,7 +123,7 @@ SymTensor<double> joined_extent(const Particles<Dim>& p, const Merger& pair, dou
 }  // namespace
 
 template <int Dim>
-void add_counts(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain, const Tile<Dim>& tile,
+void add_counts(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>& tile,
                 double* counts) {
   for (int i = range.begin; i < range.end; ++i) counts[cell_in_tile(body.particles, i, domain, tile.place)] += 1;
 }
@@ -155,7 +155,7 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
 }
 
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
                                const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along) {
   std::vector<Split> splits;
@@ -185,7 +185,7 @@ std::vector<Split> find_splits(const Body<Dim>& body, TileParticles range, const
 }
 
 template <int Dim>
-std::vector<Merger> find_mergers(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+std::vector<Merger> find_mergers(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
                                  const Tile<Dim>& tile, double most_in_cell, const std::vector<Split>& splits) {
   std::vector<Merger> mergers;
   if (range.size() <= most_in_cell) return mergers;
@@ -311,21 +311,21 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
   return lost;
 }
 
-template void add_counts(const Body<2>&, TileParticles, const Domain<2>&, const Tile<2>&, double*);
-template void add_counts(const Body<3>&, TileParticles, const Domain<3>&, const Tile<3>&, double*);
+template void add_counts(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>&, double*);
+template void add_counts(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>&, double*);
 template double most_in_cell_of<2>(double, double);
 template double most_in_cell_of<3>(double, double);
 template SymTensor<double> extent_of(const Particles<2>&, int);
 template SymTensor<double> extent_of(const Particles<3>&, int);
 template void set_extent(Particles<2>&, int, const SymTensor<double>&);
 template void set_extent(Particles<3>&, int, const SymTensor<double>&);
-template std::vector<Split> find_splits(const Body<2>&, TileParticles, const Domain<2>&, const Tile<2>*, int,
+template std::vector<Split> find_splits(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>*, int,
                                         const CellCounts<2>&, const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
-template std::vector<Split> find_splits(const Body<3>&, TileParticles, const Domain<3>&, const Tile<3>*, int,
+template std::vector<Split> find_splits(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>*, int,
                                         const CellCounts<3>&, const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
-template std::vector<Merger> find_mergers(const Body<2>&, TileParticles, const Domain<2>&, const Tile<2>&, double,
+template std::vector<Merger> find_mergers(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>&, double,
                                           const std::vector<Split>&);
-template std::vector<Merger> find_mergers(const Body<3>&, TileParticles, const Domain<3>&, const Tile<3>&, double,
+template std::vector<Merger> find_mergers(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>&, double,
                                           const std::vector<Split>&);
 template void apply_splits(Body<2>&, const std::vector<Split>&);
 template void apply_splits(Body<3>&, const std::vector<Split>&);

@@ -35,7 +35,7 @@ struct Merger {
 
 /// Adds a body's particles in a tile to the counts of its cells.
 template <int Dim>
-void add_counts(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain, const Tile<Dim>& tile,
+void add_counts(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>& tile,
                 double* counts);
 
 /// How many particles of a body a cell may hold before alike ones are merged: four times what fills it at the start,
@@ -56,13 +56,13 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
 /// Particles of a body in a tile that have to be split. `along(x, offset)` returns what solids and walls leave of an
 /// offset, to both sides.
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
                                const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along);
 
 /// Pairs that have to be merged where a cell of the tile holds more than so many; none of them is split.
 template <int Dim>
-std::vector<Merger> find_mergers(const Body<Dim>& body, TileParticles range, const Domain<Dim>& domain,
+std::vector<Merger> find_mergers(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
                                  const Tile<Dim>& tile, double most_in_cell, const std::vector<Split>& splits);
 
 /// Gives the particles that are split half of what they had, and their new places.

@@ -127,7 +127,7 @@ class Stepper final : public Simulation {
     const auto [of_velocities, of_stresses, of_accelerations] = model_.add_up(velocities, stresses, accelerations);
     ledger_.add_velocities(of_velocities);
     note_stresses(of_stresses, step);
-    note_accelerations(of_accelerations, step);
+    note_accelerations(of_accelerations);
   }
   /// The same for musl.
   void accelerate_before_stress(const StepInput& step, bool filtered) {
@@ -141,7 +141,7 @@ class Stepper final : public Simulation {
         model_.add_up(velocities, forces, accelerations, particle_velocities, stresses);
     ledger_.add_velocities(of_velocities);
     ledger_.add_forces(of_forces, step.dt, 1 - step.kept);
-    note_accelerations(of_accelerations, step);
+    note_accelerations(of_accelerations);
     ledger_.add_particle_velocities(of_particle_velocities, step.dt);
     note_stresses(of_stresses, step);
   }
@@ -153,18 +153,22 @@ class Stepper final : public Simulation {
       stop_at_bad_stress(model_, ledger_, carried_.wave_speed);
     }
   }
-  void note_accelerations(const TileSums& sums, const StepInput& step) {
+  void note_accelerations(const TileSums& sums) {
     ledger_.add_accelerations(sums);
     finite_wave_speed_ = carried_.wave_speed;
     carried_.wave_speed = std::sqrt(sums[Most::wave_speed2]);
-    carried_.drift += std::sqrt(sums[Most::node_speed2]) * step.dt / model_.domain.h;
+    fastest_node_ = std::sqrt(sums[Most::node_speed2]);
   }
   void move(const StepInput& step) {
-    const bool rearranges = carried_.drift > largest_drift;
+    // Nodes of little mass are pushed far beyond the particles around them; what these take from them is little.
+    const double cells = step.dt / model_.domain.h;
+    const bool rearranges = carried_.drift + cells * ledger_.max_speed > largest_drift ||
+                            carried_.drift + cells * fastest_node_ > reach_of_windows;
     ++model_.n_steps_in_order;
     const SumsByTile motion = move_particles(model_, step, rearranges);
     const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
     ledger_.add_motion(of_motion, step.dt);
+    carried_.drift += cells * std::sqrt(of_motion[Most::way_speed2]);
     for (std::size_t i = 0; i < of_surfaces.size(); ++i) surfaces_[i] += of_surfaces[i];
     for (TileAccounts& of_tile : model_.accounts) of_tile.clear();
     tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
@@ -262,7 +266,7 @@ class Stepper final : public Simulation {
     }))[Sum::elastic];
   }
 
-  /// Distance in cells that a particle may go before particles are put in cell order again: a tenth, because where
+  /// Distance in cells that particles may go before they are put in cell order again: a tenth, because where
   /// compression is averaged, particles that have left their tile still count as in its nearest cell.
   static constexpr double largest_drift = 0.1;
   /// Distance in cells from its place in the order beyond which a particle's nodes may lie outside the window of its tile.
@@ -281,6 +285,7 @@ class Stepper final : public Simulation {
   std::vector<SurfaceAccount> surfaces_;  ///< since the start
   StepTally tally_;
   Carried carried_;
+  double fastest_node_ = 0;              ///< in this step [m/s]
   double finite_wave_speed_ = 0;         ///< of the step before [m/s], for messages
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]
   std::vector<Stiffening> stiffenings_;  ///< of squared wave speed where grains meet without stress, one a body

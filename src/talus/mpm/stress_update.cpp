@@ -3,7 +3,7 @@
 namespace talus {
 
 template <int Dim>
-void update_stress(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+void update_stress(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const RowRange& tile,
                    const CellFinder<Dim>& cells, const StressUpdate& how, const ScratchView& s, TileSums& sums) {
   std::visit(
       [&](const auto& law) {
@@ -16,24 +16,24 @@ void update_stress(const AnyLaw& any_law, const ParticlesView<Dim>& particles, c
 }
 
 template <int Dim>
-void present_stress(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+void present_stress(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const RowRange& tile,
                     const ScratchView& s) {
   std::visit([&](const auto& law) { present_stress<Pack>(law, particles, tile, s); }, any_law);
 }
 
 template <int Dim>
-void present_volumes(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+void present_volumes(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const RowRange& tile,
                      const ScratchView& s) {
   std::visit([&](const auto& law) { present_volumes<Pack>(law, particles, tile, s); }, any_law);
 }
 
-template void update_stress(const AnyLaw&, const ParticlesView<2>&, const TileParticles&, const CellFinder<2>&,
+template void update_stress(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const CellFinder<2>&,
                             const StressUpdate&, const ScratchView&, TileSums&);
-template void update_stress(const AnyLaw&, const ParticlesView<3>&, const TileParticles&, const CellFinder<3>&,
+template void update_stress(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const CellFinder<3>&,
                             const StressUpdate&, const ScratchView&, TileSums&);
-template void present_stress(const AnyLaw&, const ParticlesView<2>&, const TileParticles&, const ScratchView&);
-template void present_stress(const AnyLaw&, const ParticlesView<3>&, const TileParticles&, const ScratchView&);
-template void present_volumes(const AnyLaw&, const ParticlesView<2>&, const TileParticles&, const ScratchView&);
-template void present_volumes(const AnyLaw&, const ParticlesView<3>&, const TileParticles&, const ScratchView&);
+template void present_stress(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const ScratchView&);
+template void present_stress(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const ScratchView&);
+template void present_volumes(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const ScratchView&);
+template void present_volumes(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const ScratchView&);
 
 }  // namespace talus

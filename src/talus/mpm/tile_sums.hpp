@@ -45,6 +45,7 @@ enum class Most {
   viscosity,        ///< kinematic viscosity [m2/s]
   particle_speed2,  ///< squared speed of a particle [m2/s2]
   node_speed2,      ///< squared speed of a node after the step [m2/s2]
+  way_speed2,       ///< squared speed at which a particle changes its place, of nodes around it [m2/s2]
   count
 };
 

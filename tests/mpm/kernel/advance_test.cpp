@@ -61,6 +61,17 @@ TEST(Advance, RowsBehindTheLastParticleStay) {
   EXPECT_EQ(p.velocity(0)[5], 0);
 }
 
+TEST(Advance, ReturnsTheSquareOfTheLargestSpeedOfPlaces) {
+  // Nodes in the column x = 4 move ten times as fast as the others. The particle at x = 3.5 takes half of them in, that at 1.5
+  // nothing.
+  auto p = particles_at<2>({{1.5, 1.5}, {3.5, 1.5}});
+  p.velocity(0)[0] = 100;  // is not what moves it
+  WindowOf<2, Quadratic, NodeMotion> nodes({node<MassVelocity>(0, 1, 0, 1), node<Acceleration>(0, 0, 0, 0)});
+  for (int y = 0; y < 8; ++y) nodes.at({4, y}) = {node<MassVelocity>(0, 10, 0, 1), node<Acceleration>(0, 0, 0, 0)};
+  const double fastest2 = advance<Advance::both>(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), 0.1, 1, nodes.data());
+  EXPECT_NEAR(fastest2, 5.5 * 5.5, 1e-12);
+}
+
 TEST(AffineMotion, OfLinearMotionIsItsGradientAndTheMomentThatSplinesMakeOfIt) {
   // v = C x with cells of half a metre; the moment of quadratic splines is C h^2/4, of cubic ones C h^2/3.
   const double C[2][2] = {{1, 2}, {3, -4}}, h = 0.5;

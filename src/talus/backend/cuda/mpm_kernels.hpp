@@ -21,7 +21,7 @@ struct TilesOnDevice {
   using Layout = TileLayout<Dim, Shape>;
 
   const Tile<Dim>* tiles;
-  const TileParticles* ranges;
+  const RowRange* ranges;
   ParticlesView<Dim> particles;
   Shape shape;
   Domain<Dim> domain;
@@ -184,7 +184,7 @@ struct Motions {
   TALUS_HD void operator()(int t) const {
     NodeMotion nodes[M::Layout::n_window];
     fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.new_velocity, m.acceleration, nodes);
-    advance<which>(m.points(t), m.domain, step.dt, step.kept, nodes);
+    m.sums[t].raise(Most::way_speed2, advance<which>(m.points(t), m.domain, step.dt, step.kept, nodes));
   }
 };
 template <class M, bool apic>

@@ -17,7 +17,7 @@ struct Body {
   double spacing;  ///< of the particles at the start [m]
   AnyLaw law;
   Particles<Dim> particles;
-  std::vector<TileParticles> tiles;  ///< one for every occupied tile of the grid
+  std::vector<RowRange> tiles;  ///< one for every occupied tile of the grid
   std::vector<SurfaceLoad> loads{};
   long cost =
       400;  ///< cost of a particle in a step [ns], for the division of work among owners; an estimate until it is
@@ -34,7 +34,7 @@ struct ShapedBody : Body<Dim> {
 template <int Dim, class Shape>
 struct TilePoints {
   ParticlesView<Dim> particles;
-  TileParticles range;
+  RowRange range;
   Index<Dim> tile;  ///< its place
   Shape shape;
 

@@ -197,8 +197,8 @@ void set_state(Particles<Dim>& particles, int i, const typename Law::template St
   for (int k = 0; k < state_size<Law>; ++k) particles.state(k)[i] = numbers_of<double>(state)[k];
 }
 
-/// The particles of one tile are those numbered [begin, end).
-struct TileParticles {
+/// Rows [begin, end) of a table of particles, as those of a tile.
+struct RowRange {
   int begin = 0, end = 0;
   TALUS_HD int size() const { return end - begin; }
 };

@@ -9,11 +9,13 @@ namespace talus {
 
 enum class Advance { both, velocities, places };
 
-/// Reads what the nodes of the tile's window do.
+/// Reads what the nodes of the tile's window do. Returns the largest square of a speed with which a particle changes its place
+/// [m2/s2].
 template <Advance which, int Dim, class Shape>
-TALUS_HD void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
+TALUS_HD double advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
                       const NodeMotion* nodes) {
   const ParticlesView<Dim>& p = points.particles;
+  Quad fastest2(0.0);
   for (int i = 0; i < points.size(); i += 4) {
     const int first = points.range.begin + i, count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
@@ -25,15 +27,21 @@ TALUS_HD void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& d
     }
     transpose(at_v);
     transpose(at_a);
+    Quad speed2(0.0);
     for (int axis = 0; axis < Dim; ++axis) {
       double *x = p.position(axis) + first, *v = p.velocity(axis) + first;
       if constexpr (which != Advance::places) {
         const Quad faster = load<Quad>(v, count) + Quad(dt) * at_a[axis];
         store(v, Quad(alpha) * faster + Quad(1 - alpha) * at_v[axis], count);
       }
-      if constexpr (which != Advance::velocities) store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
+      if constexpr (which != Advance::velocities) {
+        store(x, load<Quad>(x, count) + Quad(dt) * at_v[axis], count);
+        speed2 = multiply_add(at_v[axis], at_v[axis], speed2);
+      }
     }
+    fastest2 = max(fastest2, speed2);
   }
+  return largest_of(fastest2);
 }
 
 /// Variation of the nodal velocity around each particle: its moment sum N_I v_I (x_I - x)^T (apic, Jiang et al. 2015)

@@ -253,12 +253,13 @@ TALUS_FLATTEN void find_gradients(const TilePoints<Dim, Shape>& points, const Do
 
 /// New velocities and places; see advance.hpp. Nodes have their new velocity and their acceleration.
 template <Advance which, int Dim, class Shape>
-TALUS_FLATTEN void advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
+TALUS_FLATTEN double advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
                            const NodeRows<Dim, Shape, 2 * Dim>& nodes) {
   const ParticlesView<Dim>& p = points.particles;
   using Eight = detail::EightParticles<Dim, Shape>;
+  Octet fastest2(0.0);
   detail::for_each_eight(points, domain, [&](int i, const Eight& w) {
-    Octet at[2 * Dim];
+    Octet at[2 * Dim], speed2(0.0);
     detail::interpolate_eight(w, nodes, at, std::make_integer_sequence<int, 2 * Dim>());
     for (int axis = 0; axis < Dim; ++axis) {
       double *x = p.position(axis) + points.range.begin + i, *v = p.velocity(axis) + points.range.begin + i;
@@ -266,10 +267,14 @@ TALUS_FLATTEN void advance(const TilePoints<Dim, Shape>& points, const Domain<Di
         const Octet faster = detail::load_lanes(v, w.count) + Octet(dt) * at[Dim + axis];
         detail::store_lanes(v, Octet(alpha) * faster + Octet(1 - alpha) * at[axis], w.count);
       }
-      if constexpr (which != Advance::velocities)
+      if constexpr (which != Advance::velocities) {
         detail::store_lanes(x, detail::load_lanes(x, w.count) + Octet(dt) * at[axis], w.count);
+        speed2 = multiply_add(at[axis], at[axis], speed2);
+      }
     }
+    fastest2 = max(fastest2, speed2);
   });
+  return largest_of(fastest2);
 }
 
 /// What particles add to the nodes of a tile's window: two numbers of eight nodes of a row one after the other, then the

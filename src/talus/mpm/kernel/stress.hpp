@@ -54,7 +54,7 @@ TALUS_HD Tensor<R> load_gradient(const ScratchView& s, int i) {
 
 /// Calls f(i, states, volumes) for every pack of a tile's particles, from particle i of the tile on.
 template <Number R, class Law, int Dim, class F>
-TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile, F f) {
+TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile, F f) {
   using State = typename Law::template State<R>;
   for (int i = 0; i < tile.size(); i += width_of<R>) {
     const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
@@ -84,7 +84,7 @@ TALUS_HD R compression_of_mean(const Law& law, R mean) {
 /// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and
 /// `of_compression` asks for it, of the elastic compression.
 template <Number R, bool of_compression, class Law, int Dim>
-TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                                  const CellFinder<Dim>& cells, const ScratchView& s) {
   constexpr int n_cells = power(tile_edge, Dim);
   static_assert(n_cells % width_of<R> == 0);
@@ -194,7 +194,7 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
 /// `stiffness`; adds elastic energy, works, outcomes and viscosity to the sums.
 template <Number R, bool f_bar, class Law, int Dim>
 TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Dim>& particles,
-                                          const TileParticles& tile, const CellFinder<Dim>& cells,
+                                          const RowRange& tile, const CellFinder<Dim>& cells,
                                           const StressUpdate& how, const ScratchView& s, TileSums& sums) {
   using namespace detail;
   using State = typename Law::template State<R>;
@@ -283,7 +283,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
 
 /// Writes volume times the stress that the states hold into the row `flux` of the scratch.
 template <Number R, class Law, int Dim>
-TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                              const ScratchView& s) {
   detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto& state, R volume) {
     const SymTensor<R> flux = volume * law.total_stress(state);
@@ -293,7 +293,7 @@ TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles
 
 /// Writes the volumes of a tile's particles into the row `volume` of the scratch [m3].
 template <Number R, class Law, int Dim>
-TALUS_HD void present_volumes(const Law& law, const ParticlesView<Dim>& particles, const TileParticles& tile,
+TALUS_HD void present_volumes(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                               const ScratchView& s) {
   detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
 }

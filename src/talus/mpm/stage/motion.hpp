@@ -8,7 +8,7 @@ namespace talus {
 
 /// v_p, x_p or both, of a tile's particles.
 template <Advance which, int Dim, class Shape>
-void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step) {
+void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& sums) {
   using Layout = TileLayout<Dim, Shape>;
   if (which != Advance::places && is_affine(m.numerics.transfer)) {
     MassVelocity new_velocity[Layout::n_window];
@@ -20,15 +20,20 @@ void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step) {
         find_affine_motion<false>(points, m.domain, new_velocity);
     });
   }
+  const auto move = [&](const auto& nodes) {
+    m.for_each_body(t, [&](auto&, const auto& points) {
+      sums.raise(Most::way_speed2, advance<which>(points, m.domain, step.dt, step.kept, nodes));
+    });
+  };
   if constexpr (goes_by_lines<Dim, Shape>) {
     NodeRows<Dim, Shape, 2 * Dim> nodes;
     fill_rows<0>(m.grid.tile(t), m.grid.new_velocity.data(), nodes);
     fill_rows<Dim>(m.grid.tile(t), m.grid.acceleration.data(), nodes);
-    m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
+    move(nodes);
   } else {
     NodeMotion nodes[Layout::n_window];
     fill_window<Dim, Shape>(m.grid.tile(t), m.grid.new_velocity.data(), m.grid.acceleration.data(), nodes);
-    m.for_each_body(t, [&](auto&, const auto& points) { advance<which>(points, m.domain, step.dt, step.kept, nodes); });
+    move(nodes);
   }
 }
 
@@ -53,7 +58,7 @@ SumsByTile speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   return m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
     add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
-    advance_tile<Advance::velocities>(m, t, step);
+    advance_tile<Advance::velocities>(m, t, step, sums);
     add_momentum_of_tile(m, t);
   });
 }
@@ -73,9 +78,9 @@ SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rear
     } else {
       sums[Sum::load_power] += power_of_loads(m, t, step.time);
       if (stress_first)
-        advance_tile<Advance::both>(m, t, step);
+        advance_tile<Advance::both>(m, t, step, sums);
       else
-        advance_tile<Advance::places>(m, t, step);
+        advance_tile<Advance::places>(m, t, step, sums);
     }
     add_up_particles_of_tile(m, t, sums);
     if (!m.rests.empty() && !was_left_out) watch_rest(m, t, worker, step, sums);

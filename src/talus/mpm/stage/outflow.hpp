@@ -64,7 +64,7 @@ void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, PlaceO
       const std::vector<double> tiles = tile_numbers<Dim>(body, m.halo, m.backend);
       for (auto i = first_out; i != order.end(); ++i) tiles_left.push_back(tiles[std::size_t(*i)]);
       int begin = 0;
-      for (TileParticles& range : body.tiles) {
+      for (RowRange& range : body.tiles) {
         int end = begin;
         for (int i = range.begin; i < range.end; ++i) end += !is_out(p, i);
         range = {begin, end};

@@ -130,7 +130,7 @@ class ParticleRefinement {
       auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];
-      const TileParticles& range = body.tiles[std::size_t(t)];
+      const RowRange& range = body.tiles[std::size_t(t)];
       p.splits = find_splits<Dim>(body, range, m.domain, m.grid.tiles(), t, counts_, along);
       p.mergers = find_mergers<Dim>(body, range, m.domain, m.grid.tile(t), most_in_cell, p.splits);
     });
@@ -175,7 +175,7 @@ class ParticleRefinement {
     };
     std::vector<Added> added;
     for (std::size_t t = 0; t < body.tiles.size(); ++t) {
-      TileParticles& range = body.tiles[t];
+      RowRange& range = body.tiles[t];
       long id = ids[t];
       const int begin = int(rows.size());
       for (int i = range.begin; i < range.end; ++i) {
