@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "backend/split_backend.hpp"
 #include "mpm/small_model.hpp"
 
 namespace talus::arrangement_test {
@@ -65,6 +66,34 @@ TEST(Arrangement, ClosedContactsGoAlongWithTheirTiles) {
   small.particles().position(1)[small.row(1)] = 13.5;
   arrange(m);
   EXPECT_TRUE(closed_contacts(m).empty()) << "its tile is gone";
+}
+
+TEST(Arrangement, ParticlesTakeTheMeasuredCostOfTheirTileAlong) {
+  // A particle in each of two tiles, each of an owner. In two steps the stresses of the first have taken 2 us, and it has been
+  // moved (50 ns) twice; the second rests. A measurement counts as much as the estimate of 400 ns: 400/2 + (2000 + 100)/2/2 =
+  // 725 ns and 200 ns. Then the first particle goes to the tile of the second.
+  const auto thrown = run_as_owners(2, [](SplitBackend& backend) {
+    const bool first = backend.owner() == 0;
+    std::vector<ShapedBody<2, Quadratic>> bodies;
+    bodies.push_back({small_body({{first ? 3.95 : 5.5, 1.5}}), Quadratic()});
+    bodies[0].particles.id()[0] = backend.owner();
+    Model<2, Quadratic> m(unit_cells<2>(16), {}, std::move(bodies), {}, pure_flip(), backend);
+    arrange(m);
+    const auto cost = [&] {
+      for (int t = 0; t < m.grid.n_tiles(); ++t)
+        if (m.has_particles(t)) return m.costs[std::size_t(t)];
+      return 0.0;
+    };
+    EXPECT_EQ(cost(), 400);
+    m.n_steps_in_order = 2;
+    for (int t = 0; t < m.grid.n_tiles(); ++t)
+      if (first && m.has_particles(t)) m.stress_times[std::size_t(t)] = {2e-6, 2};
+    if (first) m.bodies[0].particles.position(0)[0] = 4.05;
+    arrange(m);
+    EXPECT_EQ(m.bodies[0].particles.size(), first ? 2 : 0) << "one tile has one owner";
+    EXPECT_EQ(cost(), first ? 0.5 * (725 + 200) : 0);
+  });
+  for (const auto& e : thrown) EXPECT_FALSE(e);
 }
 
 }  // namespace talus::arrangement_test

@@ -62,9 +62,8 @@ TEST(CellOrder, AnyStretchOfTilesIsCompact) {
 
 TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
   auto bodies = bodies_at({{{5, 5}, {0.5, 0.5}, {5.5, 5.5}}, {{5, 0.5}, {-0.5, 0.5}, {5, 5}}});
-  bodies[0].cost = 10;
-  bodies[1].cost = 3;
-  const auto tiles = occupied_tiles(bodies, unit_cells<2>(8), *make_serial());
+  const auto cost = [](std::size_t body, int) { return body == 0 ? 10 : 3; };
+  const auto tiles = occupied_tiles(bodies, unit_cells<2>(8), *make_serial(), cost);
   EXPECT_EQ(tiles.places, (std::vector<Index<2>>{{-1, 0}, {0, 0}, {1, 0}, {1, 1}}));
   EXPECT_EQ(tiles.work, (std::vector<long>{3, 10, 3, 23})) << "particles of a body weigh as much as they cost";
   EXPECT_EQ(tiles.find({1, 0}), 2);

@@ -138,16 +138,17 @@ Case column_beside(const SolidShape& pillar) {
 TEST(SolidOfTriangles, AColumnCollapsesAgainstAPillarOfManySidesAsAgainstARoundOne) {
   // Floor and walls are smooth, so that along x only the wall behind the column and the pillar push, and heat of friction
   // is the pillar's. Sides as wide as a ninth of a cell turn by 2.8 degrees from one to the next, and along these sand
-  // rubs up to 4 % more; those of a seventieth are round.
+  // rubs up to 4 % more, and pushes up to 1 % more; those of a seventieth are round.
   const Cylinder pillar{{0.62, 0.3, -0.1}, 0.12, 0.8};
   const Ledger round = after(column_beside(pillar), 0.3);
   for (const auto& [n, share] : {std::pair(128, 0.05), std::pair(1024, 0.01)}) {
     const Ledger sides =
         after(column_beside(mesh_of(meshes::cylinder(pillar.centre, pillar.radius, pillar.height, n))), 0.3);
     const double size = round.mass * g * 0.3;
-    EXPECT_NEAR(sides.wall_impulse[0], round.wall_impulse[0], 0.005 * std::abs(round.wall_impulse[0])) << n;
+    const double pushed = 0.2 * share * std::abs(round.wall_impulse[0]);
+    EXPECT_NEAR(sides.wall_impulse[0], round.wall_impulse[0], pushed) << n;
     EXPECT_NEAR(sides.wall_impulse[1], round.wall_impulse[1], 0.002 * size) << n;
-    EXPECT_NEAR(sides.momentum[0], round.momentum[0], 0.005 * std::abs(round.momentum[0])) << n;
+    EXPECT_NEAR(sides.momentum[0], round.momentum[0], pushed) << n;
     EXPECT_NEAR(sides.wall_friction, round.wall_friction, share * round.wall_friction) << n;
   }
 }

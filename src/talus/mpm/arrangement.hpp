@@ -172,6 +172,10 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
   m.rests.assign(m.lets_ground_rest() ? std::size_t(m.grid.n_tiles()) : 0, {});
   m.accounts.assign(std::size_t(m.grid.n_tiles()), {});
+  if (m.backend.n_owners() > 1) {
+    m.costs.assign(std::size_t(m.grid.n_tiles()), cost_at_start);
+    m.stress_times.assign(std::size_t(m.grid.n_tiles()), {});
+  }
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);
 }
@@ -183,23 +187,25 @@ void add_work_of_nodes(std::vector<long>& work) {
   for (long& w : work) w += of_node * TileLayout<Dim, Shape>::n_nodes;
 }
 
-/// Updates the costs of bodies from the measured time of their stress updates by this owner: its particles may yield where
-/// those of others are at rest. A measurement counts as much as all before it.
+/// Updates the costs of particles from the time that the stresses of their tile have taken: particles of one tile may yield
+/// where those of others are at rest. A measurement counts as much as all before it.
 template <int Dim, class Shape>
 void measure_costs(Model<Dim, Shape>& m) {
-  if (m.backend.n_owners() == 1) return;
-  constexpr double transfers = 100;  // ns
-  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
-    StressTime sum;
-    for (std::vector<StressTime>& of_worker : m.stress_times) {
-      sum.seconds += of_worker[b].seconds;
-      sum.updates += of_worker[b].updates;
-      of_worker[b] = {};
-    }
-    if (!(sum.updates > 0)) continue;
-    const double measured = transfers + std::min(1e6, 1e9 * sum.seconds / sum.updates);
-    m.bodies[b].cost = std::lround(0.5 * (double(m.bodies[b].cost) + measured));
+  constexpr double motion = 50;  // ns, of a particle and its share in the filter and in sorting (docs/performance.md)
+  for (std::size_t t = 0; t < m.costs.size(); ++t) {
+    const double updates = double(m.n_steps_in_order) * double(m.n_particles_of(int(t)));
+    const StressTime& time = m.stress_times[t];
+    if (updates > 0) m.costs[t] = 0.5 * (m.costs[t] + (motion * time.updates + 1e9 * time.seconds) / updates);
   }
+}
+
+/// The cost of each row of a body's particles, which are those of its tiles.
+template <int Dim, class Shape>
+std::vector<long> costs_of_rows(const Model<Dim, Shape>& m, const Body<Dim>& body) {
+  std::vector<long> costs(std::size_t(body.particles.size()), cost_at_start);
+  for (std::size_t t = 0; t < std::min(m.costs.size(), body.tiles.size()); ++t)
+    std::fill(costs.begin() + body.tiles[t].begin, costs.begin() + body.tiles[t].end, std::lround(m.costs[t]));
+  return costs;
 }
 
 /// Sorts the particles of all owners by tiles and cells and sets up the grid.
@@ -208,21 +214,29 @@ void arrange(Model<Dim, Shape>& m) {
   const auto closed = closed_contacts(m);
   const auto resting = resting_tiles(m);
   wrap_periodic(m.bodies, m.domain);
-  measure_costs(m);
-  const OccupiedTiles<Dim> occupied = occupied_tiles(m.bodies, m.domain, m.backend);
-  RunTiles<Dim> run{occupied.places, {}, std::vector<int>(occupied.places.size(), 0)};
+  RunTiles<Dim> run;
+  OccupiedTiles<Dim> own;
   if (m.backend.n_owners() > 1) {
-    OccupiedTiles<Dim> all = gather(m.backend, occupied);
-    add_work_of_nodes<Dim, Shape>(all.work);
-    run = {all.places, {}, divide<Dim>(m.backend, all.places, all.work, m.n_steps_in_order)};
+    measure_costs(m);
+    std::vector<std::vector<long>> costs;
+    for (const auto& body : m.bodies) costs.push_back(costs_of_rows(m, body));
+    const auto cost = [&](std::size_t b, int i) { return costs[b][std::size_t(i)]; };
+    const OccupiedTiles<Dim> all = gather(m.backend, occupied_tiles(m.bodies, m.domain, m.backend, cost));
+    std::vector<long> work = all.work;
+    add_work_of_nodes<Dim, Shape>(work);
+    run = {all.places, {}, divide<Dim>(m.backend, all.places, work, m.n_steps_in_order)};
     const auto rows = move_to_owners(m.backend, m.bodies, m.domain, all, run.owners, m.halo);
-    const OccupiedTiles<Dim> own = tiles_of(m.backend.owner(), all, run.owners);
+    own = tiles_of(m.backend.owner(), all, run.owners);
     run.cells = gather(m.backend, all, own, sort_by_cell(m.bodies, rows, m.domain, own, m.backend));
   } else {
-    run.cells = sort_by_cell(m.bodies, all_rows(m.bodies, m.backend), m.domain, occupied, m.backend);
+    own = occupied_tiles(m.bodies, m.domain, m.backend);
+    run = {own.places, {}, std::vector<int>(own.places.size(), 0)};
+    run.cells = sort_by_cell(m.bodies, all_rows(m.bodies, m.backend), m.domain, own, m.backend);
   }
   m.n_steps_in_order = 0;
   settle_on_grid(m, std::move(run));
+  for (std::size_t t = 0, n = 0; t < m.costs.size(); ++t)
+    if (m.has_particles(int(t))) m.costs[t] = double(own.work[n++]) / double(m.n_particles_of(int(t)));
   set_closed_contacts(m, closed);
   set_resting_tiles(m, resting);
 }

@@ -113,21 +113,28 @@ struct OccupiedTiles {
  private:
   std::vector<std::uint64_t> on_curve_;
 };
-template <int Dim, class Bodies>
-OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain, Backend& backend) {
+/// `cost(b, i)`: work that particle i of body b makes.
+template <int Dim, class Bodies, class Cost>
+OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain, Backend& backend, Cost cost) {
   const std::vector<RowOrder> rows = all_rows(bodies, backend);
   std::vector<OccupiedTiles<Dim>> parts(std::size_t(backend.n_workers()));
   backend.for_each(backend.n_workers(), [&](int part, int) {
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int i = rows[b][std::size_t(part)].begin; i < rows[b][std::size_t(part)].end; ++i)
         parts[std::size_t(part)].add(tile_of_cell<Dim>(cell_of_particle(bodies[b].particles, i, domain)),
-                                     bodies[b].cost);
+                                     cost(b, i));
   });
   OccupiedTiles<Dim> occupied;
   for (const OccupiedTiles<Dim>& part : parts)
     for (std::size_t t = 0; t < part.places.size(); ++t) occupied.add(part.places[t], part.work[t]);
   occupied.sort();
   return occupied;
+}
+
+/// The same with the number of particles as the work.
+template <int Dim, class Bodies>
+OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domain, Backend& backend) {
+  return occupied_tiles(bodies, domain, backend, [](std::size_t, int) { return 1; });
 }
 
 /// Brings particles that have left along a periodic axis back from the other side.

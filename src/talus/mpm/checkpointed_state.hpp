@@ -294,8 +294,7 @@ void restore(Model<Dim, Shape>& m, Ledger& ledger, StepTally& tally, Carried& ca
     if (n > double(most))  // fewer if some have left or were merged
       throw std::runtime_error(fmt::format("body {} has {} particles, not {}", b, long(n), m.n_at_start[b]));
     m.n_particles += long(n);
-    const long cost = long(largest_of_owners(m.backend, double(m.bodies[b].cost)));
-    for (std::size_t t = 0; t < n_tiles; ++t) work[t] += cost * long(begins[b][t + 1] - begins[b][t]);
+    for (std::size_t t = 0; t < n_tiles; ++t) work[t] += cost_at_start * long(begins[b][t + 1] - begins[b][t]);
   }
   add_work_of_nodes<Dim, Shape>(work);
   run.owners = divide<Dim>(m.backend, run.places, work, 0);

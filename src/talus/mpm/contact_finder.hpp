@@ -81,10 +81,10 @@ class ContactFinder {
     }
 
     /// How far a point that has sunk more than a cell into a terrain is to rise [m]: to that depth below the plane that touches
-    /// the ground above it, by a tenth of a cell at most. Contacts act at nodes, half a cell from the surface at most. In a
-    /// gully as narrow as a cell each flank leaves the other's material a part of its fall, which lets it sink at a speed of
-    /// about g dt, and in a ridge both flanks let it fall along them.
-    double rise(const Vec<3>& x) const {
+    /// the ground above it, but nearer to that plane by `most` at most. Contacts act at nodes, half a cell from the surface at
+    /// most. In a gully as narrow as a cell each flank leaves the other's material a part of its fall, which lets it sink at a
+    /// speed of about g dt, and in a ridge both flanks let it fall along them.
+    double rise(const Vec<3>& x, double most) const {
       const double h = finder_.domain_.h;
       double up = 0;
       for (const Beside& beside : solids_) {
@@ -92,7 +92,7 @@ class ContactFinder {
         if (!ground) continue;
         const TerrainPlace above = ground->surface->at(x[0], x[1]);
         const double depth = (above.height - x[2]) * above.cosine();
-        up = std::max(up, std::clamp(depth - h, 0.0, 0.1 * h));
+        up = std::max(up, std::clamp(depth - h, 0.0, most) / above.cosine());
       }
       return up;
     }

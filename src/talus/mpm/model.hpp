@@ -76,7 +76,10 @@ std::vector<double> volumes_per_mass(const std::vector<ShapedBody<Dim, Shape>>& 
   return volumes;
 }
 
-/// Time that a thread has taken for the stresses of a body's particles [s], and for how many updates.
+/// Cost of a particle in a step until it is measured [ns].
+inline constexpr long cost_at_start = 400;
+
+/// Time that the stresses of a tile's particles have taken [s], and for how many updates.
 struct StressTime {
   double seconds = 0, updates = 0;
 };
@@ -106,7 +109,6 @@ struct Model {
     for (const auto& body : bodies) n_at_start.push_back(sum_over_owners(where, body.particles.size()));
     n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
     most_particles = growth * n_particles;
-    stress_times.assign(scratch.size(), std::vector<StressTime>(bodies.size()));
   }
 
   Domain<Dim> domain;
@@ -133,7 +135,8 @@ struct Model {
   TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                       ///< one a thread
   long n_steps_in_order = 0;                          ///< since particles were put in order
-  std::vector<std::vector<StressTime>> stress_times;  ///< by thread and body, since particles were put in order
+  std::vector<double> costs;                          ///< of a particle in a step, tile by tile [ns]; with several owners
+  std::vector<StressTime> stress_times;               ///< tile by tile, since particles were put in order
 
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
   static constexpr double loosest = 1.25;

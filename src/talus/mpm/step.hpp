@@ -160,12 +160,13 @@ class Stepper final : public Simulation {
     fastest_node_ = std::sqrt(sums[Most::node_speed2]);
   }
   void move(const StepInput& step) {
-    // Nodes of little mass are pushed far beyond the particles around them; what these take from them is little.
+    // The speed of particles tells most often in time that they will have to be put in order. That of nodes is a bound, but
+    // those of little mass are pushed far beyond the particles around them, which take little from them.
     const double cells = step.dt / model_.domain.h;
-    const bool rearranges = carried_.drift + cells * ledger_.max_speed > largest_drift ||
-                            carried_.drift + cells * fastest_node_ > reach_of_windows;
+    const bool is_expected = carried_.drift + cells * ledger_.max_speed > largest_drift ||
+                             carried_.drift + cells * fastest_node_ > reach_of_windows;
     ++model_.n_steps_in_order;
-    const SumsByTile motion = move_particles(model_, step, rearranges);
+    const SumsByTile motion = move_particles(model_, step, is_expected);
     const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
     ledger_.add_motion(of_motion, step.dt);
     carried_.drift += cells * std::sqrt(of_motion[Most::way_speed2]);
@@ -173,7 +174,9 @@ class Stepper final : public Simulation {
     for (TileAccounts& of_tile : model_.accounts) of_tile.clear();
     tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
     expect_inside(of_motion);
-    if (rearranges) rearrange(step.dt);
+    if (!is_expected && carried_.drift <= largest_drift) return;
+    if (!is_expected) finish_exchange(model_.backend, model_.halo, model_.grid.momentum_windows);
+    rearrange(step.dt);
   }
   void rearrange(double dt) {
     const bool is_in_windows = carried_.drift < reach_of_windows;
@@ -187,7 +190,7 @@ class Stepper final : public Simulation {
       expect_inside(sums);
     }
     if (model_.numerics.particle_shifting && model_.contact_finder.has_ground())
-      ledger_.add_shift(lift_from_ground(model_, ledger_.time));
+      ledger_.add_shift(lift_from_ground(model_, ledger_.time, carried_.drift * model_.domain.h));
     ++carried_.n_rearranged;
     if (model_.numerics.particle_splitting && is_in_windows &&
         std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {

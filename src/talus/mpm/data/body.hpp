@@ -19,9 +19,6 @@ struct Body {
   Particles<Dim> particles;
   std::vector<RowRange> tiles;  ///< one for every occupied tile of the grid
   std::vector<SurfaceLoad> loads{};
-  long cost =
-      400;  ///< cost of a particle in a step [ns], for the division of work among owners; an estimate until it is
-            ///< measured
 };
 
 /// A body and the shape function of its particles.

@@ -7,9 +7,10 @@
 
 namespace talus {
 
-/// Lifts the particles of bodies that flow out of ground that they have sunk into. Returns what particles hold.
+/// Lifts the particles of bodies that flow out of ground that they have sunk into, by `most` at most [m]. Returns what particles
+/// hold.
 template <int Dim, class Shape>
-TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
+TileSums lift_from_ground(Model<Dim, Shape>& m, double time, double most) {
   return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) {
     if (!m.has_particles(t)) return;
     const auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
@@ -18,7 +19,7 @@ TileSums lift_from_ground(Model<Dim, Shape>& m, double time) {
       for (int i = points.range.begin; i < points.range.end; ++i) {
         Vec<3> x{};
         for (int a = 0; a < Dim; ++a) x[a] = points.particles.position(a)[i];
-        points.particles.position(Dim - 1)[i] += solids.rise(x);
+        points.particles.position(Dim - 1)[i] += solids.rise(x, most);
       }
     });
     add_up_particles_of_tile(m, t, sums);

@@ -72,13 +72,13 @@ double rest_speed_of(const Model<Dim, Shape>& m) {
   return share_of_rest * std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) * m.domain.h);
 }
 
-/// Notes the time that the stresses of a body's particles in a tile take, where owners divide the work by it.
+/// Notes the time that the stresses of a tile's particles take, where owners divide the work by it.
 class StressTimer {
  public:
-  template <class Model, class Body>
-  StressTimer(Model& m, int worker, const Body& body, int n_particles) {
+  template <class Model>
+  StressTimer(Model& m, int t, int n_particles) {
     if (m.backend.n_owners() == 1) return;
-    time_ = &m.stress_times[std::size_t(worker)][std::size_t(&body - m.bodies.data())];
+    time_ = &m.stress_times[std::size_t(t)];
     time_->updates += n_particles;
     start_ = std::chrono::steady_clock::now();
   }
@@ -128,7 +128,7 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
     Vec<3> load{};
     bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
-      const StressTimer timer(m, worker, body, points.size());
+      const StressTimer timer(m, t, points.size());
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       find_gradients(points, m.domain, velocity, s);
       update_stress(body.law, points.particles, points.range, cells, how, s, sums);
