@@ -121,8 +121,7 @@ OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domai
   backend.for_each(backend.n_workers(), [&](int part, int) {
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int i = rows[b][std::size_t(part)].begin; i < rows[b][std::size_t(part)].end; ++i)
-        parts[std::size_t(part)].add(tile_of_cell<Dim>(cell_of_particle(bodies[b].particles, i, domain)),
-                                     cost(b, i));
+        parts[std::size_t(part)].add(tile_of_cell<Dim>(cell_of_particle(bodies[b].particles, i, domain)), cost(b, i));
   });
   OccupiedTiles<Dim> occupied;
   for (const OccupiedTiles<Dim>& part : parts)

@@ -189,8 +189,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_st
 }
 
 template <int Dim>
-void CellPressures<Dim>::add(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
-                             const Index<Dim>& tile) {
+void CellPressures<Dim>::add(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Index<Dim>& tile) {
   const Particles<Dim>& p = body.particles;
   std::visit(
       [&]<class Law>(const Law& law) {

@@ -128,15 +128,15 @@ struct Model {
   Halo halo;
   AddingOrder adding_order;  ///< if there are several owners
   std::optional<Walls<Dim>> walls;
-  std::vector<std::vector<NodeContact>> contacts;     ///< tile by tile
-  AccountsByTile accounts;                            ///< of this step
-  std::vector<TileRest> rests;                        ///< tile by tile; empty without `rest_tolerance`
-  Shares shares;                                      ///< the tiles, dealt out to threads
-  TileLoop border, inside;                            ///< with several owners: tiles that others need, and the rest
-  std::vector<Scratch> scratch;                       ///< one a thread
-  long n_steps_in_order = 0;                          ///< since particles were put in order
-  std::vector<double> costs;                          ///< of a particle in a step, tile by tile [ns]; with several owners
-  std::vector<StressTime> stress_times;               ///< tile by tile, since particles were put in order
+  std::vector<std::vector<NodeContact>> contacts;  ///< tile by tile
+  AccountsByTile accounts;                         ///< of this step
+  std::vector<TileRest> rests;                     ///< tile by tile; empty without `rest_tolerance`
+  Shares shares;                                   ///< the tiles, dealt out to threads
+  TileLoop border, inside;                         ///< with several owners: tiles that others need, and the rest
+  std::vector<Scratch> scratch;                    ///< one a thread
+  long n_steps_in_order = 0;                       ///< since particles were put in order
+  std::vector<double> costs;                       ///< of a particle in a step, tile by tile [ns]; with several owners
+  std::vector<StressTime> stress_times;            ///< tile by tile, since particles were put in order
 
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
   static constexpr double loosest = 1.25;

@@ -155,8 +155,8 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
 }
 
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
-                               const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
+std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>* tiles,
+                               int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along) {
   std::vector<Split> splits;
   const Particles<Dim>& p = body.particles;

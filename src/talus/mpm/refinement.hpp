@@ -56,8 +56,8 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
 /// Particles of a body in a tile that have to be split. `along(x, offset)` returns what solids and walls leave of an
 /// offset, to both sides.
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
-                               const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
+std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>* tiles,
+                               int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along);
 
 /// Pairs that have to be merged where a cell of the tile holds more than so many; none of them is split.

@@ -10,8 +10,7 @@ template <int Dim>
 void update_stress(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                    const CellFinder<Dim>& cells, const StressUpdate& how, const ScratchView& s, TileSums& sums);
 template <int Dim>
-void present_stress(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile,
-                    const ScratchView& s);
+void present_stress(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile, const ScratchView& s);
 template <int Dim>
 void present_volumes(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                      const ScratchView& s);

@@ -13,7 +13,7 @@ enum class Advance { both, velocities, places };
 /// [m2/s2].
 template <Advance which, int Dim, class Shape>
 TALUS_HD double advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
-                      const NodeMotion* nodes) {
+                        const NodeMotion* nodes) {
   const ParticlesView<Dim>& p = points.particles;
   Quad fastest2(0.0);
   for (int i = 0; i < points.size(); i += 4) {

@@ -254,7 +254,7 @@ TALUS_FLATTEN void find_gradients(const TilePoints<Dim, Shape>& points, const Do
 /// New velocities and places; see advance.hpp. Nodes have their new velocity and their acceleration.
 template <Advance which, int Dim, class Shape>
 TALUS_FLATTEN double advance(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, double dt, double alpha,
-                           const NodeRows<Dim, Shape, 2 * Dim>& nodes) {
+                             const NodeRows<Dim, Shape, 2 * Dim>& nodes) {
   const ParticlesView<Dim>& p = points.particles;
   using Eight = detail::EightParticles<Dim, Shape>;
   Octet fastest2(0.0);

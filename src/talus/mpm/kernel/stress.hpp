@@ -193,9 +193,9 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
 /// Moves the states of a tile's particles through the step. Reads the row `gradient` of the scratch, writes `flux` and
 /// `stiffness`; adds elastic energy, works, outcomes and viscosity to the sums.
 template <Number R, bool f_bar, class Law, int Dim>
-TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Dim>& particles,
-                                          const RowRange& tile, const CellFinder<Dim>& cells,
-                                          const StressUpdate& how, const ScratchView& s, TileSums& sums) {
+TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
+                                          const CellFinder<Dim>& cells, const StressUpdate& how, const ScratchView& s,
+                                          TileSums& sums) {
   using namespace detail;
   using State = typename Law::template State<R>;
   const int n = tile.size();
