@@ -193,6 +193,7 @@ template <int Dim, class Shape>
 void measure_costs(Model<Dim, Shape>& m) {
   constexpr double motion = 50;  // ns, of a particle and its share in the filter and in sorting (docs/performance.md)
   for (std::size_t t = 0; t < m.costs.size(); ++t) {
+    if (!m.has_particles(int(t))) continue;
     const double updates = double(m.n_steps_in_order) * double(m.n_particles_of(int(t)));
     const StressTime& time = m.stress_times[t];
     if (updates > 0) m.costs[t] = 0.5 * (m.costs[t] + (motion * time.updates + 1e9 * time.seconds) / updates);
