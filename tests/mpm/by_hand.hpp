@@ -1,6 +1,7 @@
 #pragma once
 /// Particles and nodes of one tile, for kernels that are tested by hand: unit cells, the tile's first cell at the origin.
 
+#include <stdexcept>
 #include <vector>
 
 #include "mpm/data/shapes.hpp"
@@ -63,6 +64,7 @@ class WindowOf {
   explicit WindowOf(const Node& everywhere) : nodes_(Layout::n_window, everywhere) {}
 
   Node* data() { return nodes_.data(); }
+  /// Throws std::out_of_range for nodes that the window does not hold.
   Node& at(Index<Dim> node) { return nodes_[std::size_t(number_of(node))]; }
   /// Calls f(place of the node, node).
   template <class F>
@@ -76,7 +78,10 @@ class WindowOf {
 
  private:
   static int number_of(Index<Dim> node) {
-    for (int a = 0; a < Dim; ++a) node[a] += Layout::below;
+    for (int a = 0; a < Dim; ++a) {
+      node[a] += Layout::below;
+      if (node[a] < 0 || node[a] >= Layout::window_edge) throw std::out_of_range("node outside the window of the tile");
+    }
     return Layout::window(node);
   }
   std::vector<Node> nodes_;

@@ -522,7 +522,7 @@ Case block_that_is_split() {
   what.bodies[0].region = Box{{0.2, 0, 0}, {1.2, 0.6, 0.6}};
   what.bodies[0].spacing = 0.2;
   what.bodies[0].void_ratio.reset();
-  what.numerics.particle_splitting = true;
+  what.numerics.particle_splitting = Splitting::all_directions;
   return what;
 }
 

@@ -12,6 +12,7 @@ inline Numerics pure_flip(Order order = Order::usf) {
   n.transfer = Transfer::flip;
   n.order = order;
   n.average_pressure = false;
+  n.particle_splitting = Splitting::none;
   return n;
 }
 
@@ -20,7 +21,7 @@ template <class Law = LinearElastic>
 Body<2> small_body(const std::vector<Vec<2>>& places, const Numerics& n = pure_flip(),
                    const Law& law = Law{{1000, 0}}) {
   Particles<2> p = particles_at<2>(places, {state_size<Law>, n.transfer == Transfer::apic, n.transfer == Transfer::tpic,
-                                            n.order == Order::musl, 0, n.particle_splitting});
+                                            n.order == Order::musl, 0, n.particle_splitting != Splitting::none});
   for (int i = 0; i < p.size(); ++i)
     set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
   if (p.memory().extent)

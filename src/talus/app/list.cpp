@@ -53,6 +53,7 @@ int list_everything() {
   print_choices("Shape functions (numerics.shape)", shape_function_choices, int(numerics.shape_function));
   print_choices("Transfers (numerics.transfer)", transfer_choices, int(numerics.transfer));
   print_choices("Order (numerics.order)", order_choices, int(numerics.order));
+  print_choices("Splitting (numerics.particle_splitting)", splitting_choices, int(numerics.particle_splitting));
   print_choices("Integrators (numerics.integrator; driver.integrator of element tests)", integrator_choices,
                 int(numerics.integration.scheme));
   print_choices("Walls (domain.walls.x_min, x_max, y_min, ...)", wall_choices, int(Wall().kind));

@@ -7,6 +7,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace talus {
@@ -29,8 +30,8 @@ class Columns {
   /// Changes the number of rows. Existing rows keep their values; new rows are zero. A table that grows again and again takes
   /// a sixteenth more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
   void resize(int n) {
-    if (n > n_that_fit_ || n < n_that_fit_ / 2) {
-      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
+    if (!keeps_memory_with(n)) {
+      n_that_fit_ = n_to_fit(n);
       for (std::size_t c = 0; c < data_.size(); ++c) {
         Storage other = allocate(n_that_fit_);
         std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), other.get());
@@ -45,13 +46,20 @@ class Columns {
 
   /// Replaces row i by the former row rows[i]. A row may be used several times, or not at all.
   void take(const std::vector<int>& rows) {
+    const int n = int(rows.size());
+    const bool keeps_memory = keeps_memory_with(n);
+    if (!keeps_memory) n_that_fit_ = n_to_fit(n);
+    Storage spare = allocate(n_that_fit_);
     for (std::size_t c = 0; c < data_.size(); ++c) {
-      Storage taken = allocate(int(rows.size()));
-      for (std::size_t i = 0; i < rows.size(); ++i) taken[i] = data_[c][std::size_t(rows[i])];
-      data_[c] = std::move(taken);
-      pointers_[c] = data_[c].get();
+      for (int i = 0; i < n; ++i) spare[i] = data_[c][rows[std::size_t(i)]];
+      if (keeps_memory) {
+        std::copy(spare.get(), spare.get() + n, data_[c].get());
+      } else {
+        data_[c] = std::exchange(spare, allocate(n_that_fit_));
+        pointers_[c] = data_[c].get();
+      }
     }
-    size_ = n_that_fit_ = int(rows.size());
+    size_ = n;
   }
 
   /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` keep their values. `spare`
@@ -67,6 +75,12 @@ class Columns {
     void operator()(double* p) const { std::free(p); }
   };
   using Storage = std::unique_ptr<double[], Free>;
+
+  bool keeps_memory_with(int n) const { return n <= n_that_fit_ && n >= n_that_fit_ / 2; }
+  /// Of how many rows the memory of n is.
+  int n_to_fit(int n) const {
+    return size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
+  }
 
   static Storage allocate(int n) {
     constexpr std::size_t line = 64;

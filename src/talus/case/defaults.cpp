@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "talus/case/material.hpp"
+#include "talus/law/registry.hpp"
 
 namespace talus {
 
@@ -17,6 +18,7 @@ Numerics numerics_of(Preset preset) {
     n.integration.scheme = Integrator::forward_euler;
     n.average_pressure = averages_pressure(preset, false);
     n.particle_shifting = false;
+    n.particle_splitting = Splitting::none;
     n.dt = 1e-6;  // as in the paper
   }
   return n;
@@ -198,8 +200,12 @@ std::vector<std::string> default_fields(const Case& case_) {
   std::vector<std::string_view> usual = {
       "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
       "kappa",    "I",    "viscosity",         "separated"};
-  if (has_outflow(case_) || case_.numerics.particle_splitting) usual.push_back("id");
-  if (case_.numerics.particle_splitting) usual.push_back("ancestor");
+  const bool splits = case_.numerics.particle_splitting != Splitting::none &&
+                      std::ranges::any_of(case_.bodies, [&](const BodySpec& body) {
+                        return !keeps_neighbours(case_.materials[std::size_t(body.material)].law);
+                      });
+  if (has_outflow(case_) || splits) usual.push_back("id");
+  if (splits) usual.push_back("ancestor");
   const std::vector<std::string_view> known = known_fields(case_);
   std::vector<std::string> fields;
   for (std::string_view field : usual)

@@ -15,10 +15,7 @@ constexpr Flag f_bar{"f_bar", "average the rate of volume change over each cell 
 constexpr Flag average_pressure{"average_pressure", "average the elastic compression over each cell"};
 constexpr Flag particle_shifting{"particle_shifting",
                                  "move particles apart where they are closer than their volumes allow"};
-constexpr Flag particle_splitting{
-    "particle_splitting",
-    "split particles of materials that flow where stretching would leave cells empty, and "
-    "merge alike ones where they crowd"};
+constexpr Option particle_splitting{"particle_splitting", "where stretched particles are split", splitting_choices};
 constexpr Option integrator{"integrator", "how the frictional stress is integrated", integrators};
 
 /// The words of transfers that have a time constant, or of those that have none.
@@ -80,7 +77,7 @@ void read_numerics(Section& s, Case& case_) {
   n.particle_shifting = s.flag(particle_shifting, n.particle_shifting);
   n.shifting_length = n.particle_shifting ? s.number(keys::shifting_length, case_.cell, "a cell")
                                           : s.optional_number(keys::shifting_length);
-  n.particle_splitting = s.flag(particle_splitting, n.particle_splitting);
+  n.particle_splitting = Splitting(s.choice(particle_splitting, int(n.particle_splitting)));
   n.rest_tolerance = s.number(keys::rest_tolerance, n.rest_tolerance);
   read_integration(s, n.integration);
   if (n.dt)

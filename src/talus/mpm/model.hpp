@@ -138,6 +138,11 @@ struct Model {
   std::vector<double> costs;                       ///< of a particle in a step, tile by tile [ns]; with several owners
   std::vector<StressTime> stress_times;            ///< tile by tile, since particles were put in order
 
+  /// Whether particles of a body may be split and merged.
+  bool splits_particles() const {
+    return std::ranges::any_of(bodies, [](const auto& body) { return body.particles.memory().extent; });
+  }
+
   /// Volume over that at the start of the loosest packing there may be: more than from the densest sands to the loosest.
   static constexpr double loosest = 1.25;
   /// Particles over those at the start that splitting may make; beyond, nothing is split.

@@ -10,7 +10,7 @@ namespace talus {
 
 namespace {
 
-/// The longest edge of the box of a particle, and its direction.
+/// The longest edge of a box, and its direction.
 struct LongestEdge {
   double squared;  ///< [m2]
   Vec<3> direction;
@@ -36,9 +36,12 @@ LongestEdge longest_edge(const SymTensor<double>& S) {
   return {dot(e, Se), e};
 }
 
-/// S with its square along a direction reduced by a part.
-SymTensor<double> shortened(const SymTensor<double>& S, const Vec<3>& e, double by) {
-  return S - by * SymTensor<double>{e[0] * e[0], e[1] * e[1], e[2] * e[2], e[0] * e[1], e[1] * e[2], e[2] * e[0]};
+/// S of a box compressed along a direction, by a factor.
+SymTensor<double> compressed(const SymTensor<double>& S, const Vec<3>& e, double factor) {
+  Tensor<double> F;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) F[a][b] = (a == b ? 1 : 0) - (1 - factor) * e[a] * e[b];
+  return rotate(F, S);
 }
 
 /// Whether a cell contains particles, numbered from the first cell of tile t, as far as the neighbouring tiles reach.
@@ -154,9 +157,16 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
   return std::min(1.0, longest * longest / trace(longer)) * longer;
 }
 
+SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v) {
+  Tensor<double> P;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) P[a][b] = (a == b ? 1 : 0) - v[a] * v[b] / dot(v, v);
+  return rotate(P, S);
+}
+
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>* tiles,
-                               int t, const CellCounts<Dim>& counts,
+std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body, RowRange range,
+                               const Domain<Dim>& domain, const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along) {
   std::vector<Split> splits;
   const Particles<Dim>& p = body.particles;
@@ -164,7 +174,14 @@ std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Doma
   for (int i = range.begin; i < range.end; ++i) {
     const SymTensor<double> S = extent_of(p, i);
     if (trace(S) < h2) continue;
-    const LongestEdge edge = longest_edge<Dim>(S);
+    SymTensor<double> widths = S;
+    if (rule.directions == Splitting::across_motion) {
+      const Vec<3> v = velocity_of_particle(p, i);
+      if (!(length(v) > rule.rest_speed)) continue;
+      widths = across(S, v);
+      if (trace(widths) < h2) continue;
+    }
+    const LongestEdge edge = longest_edge<Dim>(widths);
     if (edge.squared < h2) continue;
     const double L = std::sqrt(edge.squared);
     const Vec<3>& e = edge.direction;
@@ -179,7 +196,7 @@ std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Doma
     const Vec<3> offset = along(x, (0.25 * L) * e);
     const double gone = dot(offset, e);
     if (!(gone > 0.125 * L)) continue;  // a wall is in the way
-    splits.push_back({i, offset, shortened(S, e, 12 * gone * gone)});
+    splits.push_back({i, offset, compressed(S, e, std::sqrt(1 - 12 * gone * gone / edge.squared))});
   }
   return splits;
 }
@@ -319,10 +336,12 @@ template SymTensor<double> extent_of(const Particles<2>&, int);
 template SymTensor<double> extent_of(const Particles<3>&, int);
 template void set_extent(Particles<2>&, int, const SymTensor<double>&);
 template void set_extent(Particles<3>&, int, const SymTensor<double>&);
-template std::vector<Split> find_splits(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>*, int,
-                                        const CellCounts<2>&, const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
-template std::vector<Split> find_splits(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>*, int,
-                                        const CellCounts<3>&, const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
+template std::vector<Split> find_splits(const SplittingRule&, const Body<2>&, RowRange, const Domain<2>&,
+                                        const Tile<2>*, int, const CellCounts<2>&,
+                                        const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
+template std::vector<Split> find_splits(const SplittingRule&, const Body<3>&, RowRange, const Domain<3>&,
+                                        const Tile<3>*, int, const CellCounts<3>&,
+                                        const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
 template std::vector<Merger> find_mergers(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>&, double,
                                           const std::vector<Split>&);
 template std::vector<Merger> find_mergers(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>&, double,

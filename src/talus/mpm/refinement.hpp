@@ -1,11 +1,15 @@
 #pragma once
 /// Splitting of stretched particles, and merging of similar ones in crowded cells.
 ///
-/// A particle has the squared edges S of the box of its material, which deforms with the flow: S+ = F S F^T. If the
-/// longest edge L exceeds a cell, and along it on one side empty cells are followed by particles, and on the other side
-/// there are particles too, connected material lacks particles: the particle becomes two with half of everything, L/4
-/// to both sides along that edge, and L becomes L/2. Mass, volume, energy, momentum, centre and second moments are
-/// conserved. Continued shear stretches S as well, but its particles mix: no cell is empty, and nothing is split.
+/// A particle has the squared edges S of the box of its material, which deforms with the flow: S+ = F S F^T. If its
+/// largest width L across its motion exceeds a cell, and in that direction on one side empty cells are followed by
+/// particles, and on the other side there are particles too, connected material lacks particles: the particle becomes
+/// two with half of everything, L/4 to both sides in that direction, and L becomes L/2. Mass, volume, energy, momentum,
+/// centre and the second moment in that direction are conserved. Continued shear stretches S as well, but its particles
+/// mix: no cell is empty, and nothing is split.
+///
+/// Along its motion a thin front is drawn out into single particles; as halves they would be connected farther out. So
+/// `Splitting::all_directions`, which takes the longest edge of S for L, moves fronts.
 ///
 /// The result for a particle depends only on the particles of cells around it, so it does not depend on threads or
 /// owners.
@@ -13,6 +17,7 @@
 #include <functional>
 #include <vector>
 
+#include "talus/case/case.hpp"
 #include "talus/mpm/data/body.hpp"
 #include "talus/mpm/data/grid.hpp"
 
@@ -53,11 +58,19 @@ void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S);
 /// it: its material is mixed with other material.
 SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest);
 
+/// S across the motion with the velocity v [m/s]: of its projection on the plane normal to v.
+SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v);
+
+/// In which directions particles are split, and how fast at least they move then [m/s].
+struct SplittingRule {
+  Splitting directions;
+  double rest_speed;  ///< of `across_motion`: what rests does not tear
+};
 /// Particles of a body in a tile that have to be split. `along(x, offset)` returns what solids and walls leave of an
 /// offset, to both sides.
 template <int Dim>
-std::vector<Split> find_splits(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>* tiles,
-                               int t, const CellCounts<Dim>& counts,
+std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body, RowRange range,
+                               const Domain<Dim>& domain, const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along);
 
 /// Pairs that have to be merged where a cell of the tile holds more than so many; none of them is split.

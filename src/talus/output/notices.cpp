@@ -36,7 +36,7 @@ std::string notice_of_preset(const Case& case_) {
   note(n.average_pressure || n.f_bar, "averaging over cells");
   note(bulk_viscosity_of(n) > 0, "bulk viscosity");
   note(n.particle_shifting, "particle shifting");
-  note(n.particle_splitting, "particle splitting");
+  note(n.particle_splitting != Splitting::none, "particle splitting");
   note(n.rest_tolerance > 0, "rest of tiles");
   note(n.dt != 1e-6, fmt::format("dt = {:.4g} s", n.dt.value_or(0)));
   for (const Material& m : case_.materials)

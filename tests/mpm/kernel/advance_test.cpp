@@ -67,7 +67,9 @@ TEST(Advance, ReturnsTheSquareOfTheLargestSpeedOfPlaces) {
   auto p = particles_at<2>({{1.5, 1.5}, {3.5, 1.5}});
   p.velocity(0)[0] = 100;  // is not what moves it
   WindowOf<2, Quadratic, NodeMotion> nodes({node<MassVelocity>(0, 1, 0, 1), node<Acceleration>(0, 0, 0, 0)});
-  for (int y = 0; y < 8; ++y) nodes.at({4, y}) = {node<MassVelocity>(0, 10, 0, 1), node<Acceleration>(0, 0, 0, 0)};
+  nodes.for_each([](const Index<2>& at, NodeMotion& n) {
+    if (at[0] == 4) n = {node<MassVelocity>(0, 10, 0, 1), node<Acceleration>(0, 0, 0, 0)};
+  });
   const double fastest2 = advance<Advance::both>(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), 0.1, 1, nodes.data());
   EXPECT_NEAR(fastest2, 5.5 * 5.5, 1e-12);
 }

@@ -5,14 +5,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "mpm/cases.hpp"
 #include "mpm/small_model.hpp"
+#include "talus/mpm/make_stepper.hpp"
+#include "talus/mpm/simulation.hpp"
 
 namespace talus::refinement_test {
 
-Numerics splitting(Transfer transfer = Transfer::flip) {
+Numerics splitting(Transfer transfer = Transfer::flip, Splitting how = Splitting::all_directions) {
   Numerics n = pure_flip();
   n.transfer = transfer;
-  n.particle_splitting = true;
+  n.particle_splitting = how;
   return n;
 }
 
@@ -91,6 +94,105 @@ TEST(Refinement, LeavesPointsAloneThatAreShortOrAtAnEdgeOrAmongOthers) {
   Sheet among(full);
   for (int i = 0; i < 8; ++i) set_extent(among.particles(), i, {6, 0.1, 0, 0, 0, 0});
   EXPECT_EQ(among.refine().n_split, 0) << "no cell is empty";
+}
+
+TEST(Refinement, SplitsByDefaultAcrossTheMotionOfWhatMoves) {
+  const Numerics by_default = splitting(Transfer::flip, Numerics{}.particle_splitting);
+  const auto splits_of_row = [&](const Vec<2>& along, const Vec<2>& velocity) {
+    Sheet sheet = row(along, WallKind::open, by_default);
+    for (int a = 0; a < 2; ++a) sheet.particles().velocity(a)[sheet.row(1)] = velocity[a];
+    return sheet.refine().n_split;
+  };
+  EXPECT_EQ(splits_of_row({1, 0}, {0, 2}), 1);
+  EXPECT_EQ(splits_of_row({0, 1}, {-2, 0}), 1);
+  EXPECT_EQ(splits_of_row({1, 0}, {2, 0}), 0) << "a front that is drawn out";
+  EXPECT_EQ(splits_of_row({1, 0}, {0, 0}), 0) << "what rests does not tear";
+  const double c = std::sqrt(0.5);
+  EXPECT_EQ(splits_of_row({c, c}, {2, -2}), 1);
+  EXPECT_EQ(splits_of_row({c, c}, {2, 2}), 0);
+}
+
+TEST(Refinement, ABoxIsMeasuredAcrossItsMotion) {
+  // A rod of length 2 at the angle a to its motion is 2 sin(a) wide.
+  for (const double a : {0.0, 0.3, 1.2, std::numbers::pi / 2}) {
+    const SymTensor<double> rod{
+        4 * std::cos(a) * std::cos(a), 4 * std::sin(a) * std::sin(a), 0, 4 * std::cos(a) * std::sin(a), 0, 0};
+    const SymTensor<double> widths = across(rod, {3, 0, 0});
+    EXPECT_NEAR(widths.yy, 4 * std::sin(a) * std::sin(a), 1e-14);
+    EXPECT_NEAR(trace(widths), widths.yy, 1e-14);
+  }
+}
+
+TEST(Refinement, OfASkewBoxKeepsItsWidthAndLeavesABox) {
+  // Across the motion along y it is 2.5 cells wide, drawn out along it by shear.
+  Sheet sheet = row({1, 0}, WallKind::open, splitting(Transfer::flip, Splitting::across_motion));
+  sheet.particles().velocity(1)[sheet.row(1)] = 1;
+  set_extent(sheet.particles(), sheet.row(1), {6.25, 9, 0, 7.2, 0, 0});
+  ASSERT_EQ(sheet.refine().n_split, 1);
+  const Particles<2>& p = sheet.particles();
+  const int one = sheet.row(1), other = sheet.row(3);
+  const double apart = p.position(0)[one] - p.position(0)[other];
+  EXPECT_NEAR(std::abs(apart), 1.25, 1e-12);
+  EXPECT_NEAR(p.position(1)[one], p.position(1)[other], 1e-12);
+  const SymTensor<double> S = extent_of(p, one);
+  EXPECT_NEAR(S.xx + 12 * 0.25 * apart * apart, 6.25, 1e-12) << "second moment of both about their centre, times 12";
+  EXPECT_NEAR(S.yy, 9, 1e-12);
+  EXPECT_GT(S.xx * S.yy, S.xy * S.xy) << "a box";
+}
+
+TEST(Refinement, KeepsARingThatFliesApartWholeByDefault) {
+  // Sand that nothing holds flies off at unit speed: at t = 32 the ring between the radii 12 and 20 is between 44 and 52, as thick
+  // as before, and 2.6 to 3.7 times as long around. Cells of 2 have four particles at the start, 1.1 to 1.5 at the end.
+  const Vec<2> centre{64, 64};
+  std::vector<Vec<2>> places;
+  for (int x = 0; x < 128; ++x)
+    for (int y = 0; y < 128; ++y) {
+      const Vec<2> place{x + 0.5, y + 0.5};
+      const double r = length(place - centre);
+      if (r > 12 && r < 20) places.push_back(place);
+    }
+  MohrCoulomb sand{};
+  sand.E = 100;
+  sand.nu = 0.3;
+  sand.phi = 0.5;
+  sand.prepare();
+  const auto share_of_empty_cells = [&](Splitting how) {
+    Numerics numerics = splitting(Transfer::flip, how);
+    numerics.dt = 0.25;
+    Domain<2> domain = unit_cells<2>(64, WallKind::open);
+    domain.h = 2;
+    std::vector<Body<2>> bodies;
+    bodies.push_back(small_body(places, numerics, sand));
+    Particles<2>& p = bodies[0].particles;
+    for (int i = 0; i < p.size(); ++i) {
+      const Vec<2> from_centre = places[std::size_t(i)] - centre;
+      for (int a = 0; a < 2; ++a) p.velocity(a)[i] = from_centre[a] / length(from_centre);
+    }
+    const auto loop = make_serial();
+    const auto s = make_stepper<2, Quadratic>(domain, std::move(bodies), {Quadratic()}, {}, numerics, *loop);
+    while (s->ledger().time < 32) s->step();
+    const Observation seen = s->observe();
+    std::vector<char> is_full(64 * 64);
+    double mass = 0, radius = 0;
+    for (int i = 0; i < seen.n_particles(); ++i) {
+      const Vec<2> place{value(seen, "position", i, 0), value(seen, "position", i, 1)};
+      is_full[std::size_t(int(place[1] / 2) * 64 + int(place[0] / 2))] = true;
+      mass += value(seen, "mass", i);
+      radius += value(seen, "mass", i) * length(place - centre);
+    }
+    EXPECT_NEAR(mass, double(places.size()), 1e-9);
+    EXPECT_NEAR(radius / mass, 32 + 16.3, 0.25) << "2/3 (20^3 - 12^3)/(20^2 - 12^2) = 16.3 at the start";
+    int n = 0, n_empty = 0;
+    for (int i = 0; i < 64 * 64; ++i) {
+      const double r = length(Vec<2>{2 * (i % 64) + 1.0, 2 * (i / 64) + 1.0} - centre);
+      if (r < 45.5 || r > 50.5) continue;
+      ++n;
+      n_empty += !is_full[std::size_t(i)];
+    }
+    return double(n_empty) / n;
+  };
+  EXPECT_GT(share_of_empty_cells(Splitting::none), 0.15);
+  EXPECT_LT(share_of_empty_cells(Numerics{}.particle_splitting), 0.03);
 }
 
 TEST(Refinement, PutsNothingBehindAWall) {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "talus/mpm/refinement.hpp"
-#include "talus/mpm/stage/velocities.hpp"
+#include "talus/mpm/stage/stresses.hpp"
 
 namespace talus {
 
@@ -124,6 +124,7 @@ class ParticleRefinement {
 
   std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double time) {
     const double most_in_cell = most_in_cell_of<Dim>(body.spacing, m.domain.h);
+    const SplittingRule rule{m.numerics.particle_splitting, rest_speed_of(m)};
     std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
     m.backend.for_each(m.shares, [&](int t, int) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
@@ -131,7 +132,7 @@ class ParticleRefinement {
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];
       const RowRange& range = body.tiles[std::size_t(t)];
-      p.splits = find_splits<Dim>(body, range, m.domain, m.grid.tiles(), t, counts_, along);
+      p.splits = find_splits<Dim>(rule, body, range, m.domain, m.grid.tiles(), t, counts_, along);
       p.mergers = find_mergers<Dim>(body, range, m.domain, m.grid.tile(t), most_in_cell, p.splits);
     });
     return plans;

@@ -90,7 +90,7 @@ ParticleMemory memory_of(const Numerics& numerics, int n_state, int n_loads, boo
           numerics.transfer == Transfer::tpic,
           numerics.order == Order::musl || numerics.rest_tolerance > 0,
           n_loads,
-          numerics.particle_splitting && flows};
+          numerics.particle_splitting != Splitting::none && flows};
 }
 
 double estimated_bytes(const Case& case_, double share) {
