@@ -31,7 +31,7 @@ class Columns {
   /// a sixteenth more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
   void resize(int n) {
     if (!keeps_memory_with(n)) {
-      n_that_fit_ = n_to_fit(n);
+      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
       for (std::size_t c = 0; c < data_.size(); ++c) {
         Storage other = allocate(n_that_fit_);
         std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), other.get());
@@ -48,7 +48,7 @@ class Columns {
   void take(const std::vector<int>& rows) {
     const int n = int(rows.size());
     const bool keeps_memory = keeps_memory_with(n);
-    if (!keeps_memory) n_that_fit_ = n_to_fit(n);
+    if (!keeps_memory) n_that_fit_ = n;
     Storage spare = allocate(n_that_fit_);
     for (std::size_t c = 0; c < data_.size(); ++c) {
       for (int i = 0; i < n; ++i) spare[i] = data_[c][rows[std::size_t(i)]];
@@ -77,10 +77,6 @@ class Columns {
   using Storage = std::unique_ptr<double[], Free>;
 
   bool keeps_memory_with(int n) const { return n <= n_that_fit_ && n >= n_that_fit_ / 2; }
-  /// Of how many rows the memory of n is.
-  int n_to_fit(int n) const {
-    return size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
-  }
 
   static Storage allocate(int n) {
     constexpr std::size_t line = 64;

@@ -180,8 +180,11 @@ class Stepper final : public Simulation {
   }
   void rearrange(double dt) {
     const bool is_in_windows = carried_.drift < reach_of_windows;
-    if (is_in_windows) {
-      if (model_.splits_particles()) refinement_.stretch(model_, carried_.unstretched + dt);
+    ++carried_.n_rearranged;
+    const bool refines =
+        is_in_windows && model_.splits_particles() && std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0;
+    if (refines) {
+      refinement_.stretch(model_, carried_.unstretched + dt);
       carried_.unstretched = -dt;  // the step's own length is added at its end
     }
     if (model_.numerics.particle_shifting && is_in_windows) {
@@ -191,9 +194,7 @@ class Stepper final : public Simulation {
     }
     if (model_.numerics.particle_shifting && model_.contact_finder.has_ground())
       ledger_.add_shift(lift_from_ground(model_, ledger_.time, carried_.drift * model_.domain.h));
-    ++carried_.n_rearranged;
-    if (model_.splits_particles() && is_in_windows &&
-        std::fmod(carried_.n_rearranged, rearranged_per_refinement) == 0) {
+    if (refines) {
       const RefinementCost cost = refinement_.apply(model_, ledger_.time, long(carried_.n_ids));
       carried_.n_ids += double(cost.n_split);
       ledger_.add_refinement(cost.n_split, cost.n_merged, cost.particles);

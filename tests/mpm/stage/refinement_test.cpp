@@ -208,8 +208,10 @@ TEST(Refinement, PutsNothingBehindAWall) {
 TEST(Refinement, StretchesWithTheFlow) {
   const SymTensor<double> square{1, 1, 0, 0, 0, 0};
   const SymTensor<double> pulled = stretched(square, Tensor<double>{{{1, 0, 0}, {0, -0.5, 0}, {0, 0, 0}}}, 1, 100);
-  EXPECT_EQ(pulled[0], 4) << "twice as long, squared";
-  EXPECT_EQ(pulled[1], 0.25);
+  EXPECT_EQ(pulled[0], 2.5 * 2.5) << "e^1 to second order, squared";
+  EXPECT_EQ(pulled[1], 0.625 * 0.625);
+  const SymTensor<double> turned = stretched(square, Tensor<double>{{{0, -0.1, 0}, {0.1, 0, 0}, {0, 0, 0}}}, 1, 100);
+  EXPECT_NEAR(turned[0], 1, 0.25e-4 + 1e-12) << "(1 - 0.1^2/2)^2 + 0.1^2 = 1 + 0.1^4/4";
   const SymTensor<double> sheared = stretched(square, Tensor<double>{{{0, 2, 0}, {0, 0, 0}, {0, 0, 0}}}, 1, 100);
   EXPECT_EQ(sheared[0], 5) << "(1, 2)^2";
   EXPECT_EQ(sheared[1], 1);
