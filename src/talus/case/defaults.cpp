@@ -201,9 +201,7 @@ std::vector<std::string> default_fields(const Case& case_) {
       "velocity", "body", "frictional_stress", "collisional_stress", "stress", "p", "q", "p_f", "void_ratio",
       "kappa",    "I",    "viscosity",         "separated"};
   const bool splits = case_.numerics.particle_splitting != Splitting::none &&
-                      std::ranges::any_of(case_.bodies, [&](const BodySpec& body) {
-                        return !keeps_neighbours(case_.materials[std::size_t(body.material)].law);
-                      });
+                      std::ranges::any_of(case_.materials, [](const Material& m) { return !keeps_neighbours(m.law); });
   if (has_outflow(case_) || splits) usual.push_back("id");
   if (splits) usual.push_back("ancestor");
   const std::vector<std::string_view> known = known_fields(case_);

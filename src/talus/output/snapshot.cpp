@@ -65,7 +65,7 @@ void for_each_dataset(const Observation& seen, const std::vector<std::string>& n
   f("VTKHDF", "Points", H5T_IEEE_F64LE, seen.fields.at(0));
   for (const std::string& name : names)
     if (const Field* field = seen.find(name))
-      f("VTKHDF/PointData", name, name == "id" ? H5T_STD_I64LE : H5T_IEEE_F32LE, *field);
+      f("VTKHDF/PointData", name, name == "id" || name == "ancestor" ? H5T_STD_I64LE : H5T_IEEE_F32LE, *field);
 }
 
 /// Writes all of a snapshot of `n` particles but the values of its fields.

@@ -47,11 +47,26 @@ void add_axis(const std::string& id, const Packed& places, nlohmann::json& facts
   html += element_of(id, places.words);
 }
 
-/// The first of every `every` particles of a snapshot, without their ids, which are of no use in a picture.
+/// Takes the fields `id` and `ancestor` out, which are of no use in a picture.
+void remove_numbers(Observation& seen) {
+  std::erase_if(seen.fields, [](const Field& f) { return f.name == "id" || f.name == "ancestor"; });
+}
+
+/// The first of every `every` particles of a snapshot.
 Observation seen_in(const std::filesystem::path& snapshot, std::size_t every) {
   Observation seen = read_snapshot(snapshot, every);
-  std::erase_if(seen.fields, [](const Field& f) { return f.name == "id"; });
+  remove_numbers(seen);
   return seen;
+}
+
+/// Whether each particle has the row of its number in a snapshot, of which every `every` particles were read: none before
+/// it has left or was merged. `n`: how many there are in other snapshots, which tells it where no ids are.
+bool rows_are_numbers(const Observation& seen, std::size_t every, int n) {
+  const Field* id = seen.find("id");
+  if (!id) return seen.n_particles() == n;
+  for (std::size_t i = 0; i < id->values.size(); ++i)
+    if (id->values[i] != double(i * every)) return false;
+  return true;
 }
 
 /// One instant: facts for the scene's JSON, and the elements of the page that hold its numbers.
@@ -156,8 +171,13 @@ SceneData pack_scene(const Case& case_, const std::vector<std::filesystem::path>
 
   std::string& data = packed.html;
   scene["solids"] = pack_solids(case_, data);
+  bool numbered = true;
   for (std::size_t i : spread_out(n_all, n)) {
-    const Observation seen = seen_in(snapshots[i], every);
+    Observation seen = read_snapshot(snapshots[i], every);
+    numbered =
+        numbered &&
+        rows_are_numbers(seen, every, scene.contains("frames") ? int(scene["frames"][0]["n"]) : seen.n_particles());
+    remove_numbers(seen);
     const nlohmann::json quantities = quantities_of(seen);
     if (!scene.contains("quantities")) scene["quantities"] = quantities;
     if (quantities != scene["quantities"])
@@ -168,6 +188,7 @@ SceneData pack_scene(const Case& case_, const std::vector<std::filesystem::path>
     scene["frames"].push_back(instant.facts);
     for (const Solid& solid : case_.solids) scene["frames"].back()["poses"].push_back(pose_of(solid, seen.time));
   }
+  scene["numbered"] = numbered;
   packed.size = data.size() + scene.dump().size();
   return packed;
 }

@@ -158,7 +158,6 @@
   }
 
   const most = Math.max(...frames.map((f) => f.n));
-  const numbered = frames.every((f) => f.n === most);  // else some have left, and the rest have closed up
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * most), 3));
   geometry.setAttribute("shade", new THREE.BufferAttribute(new Float32Array(most), 1));
@@ -657,7 +656,7 @@
     if (best < 0) return;
     const unit = scene.quantities[colour.q].unit.replace(/^1$/, "");
     const place = [0, 1, 2].slice(0, scene.dim).map((a) => short((p[3 * best + a] + origin[a]) * per_metre)).join(", ");
-    tip.textContent = `${label_of(colour.name)} ${short(shown.values[best])} ${unit}\n${numbered ? `particle ${best * scene.every}, ` : ""}at ${place} ${length_unit}`;
+    tip.textContent = `${label_of(colour.name)} ${short(shown.values[best])} ${unit}\n${scene.numbered ? `particle ${best * scene.every}, ` : ""}at ${place} ${length_unit}`;
     tip.hidden = false;
     tip.style.left = Math.min(x + 14, width - bar_width - tip.offsetWidth) + "px";
     tip.style.top = Math.min(y + 14, height - tip.offsetHeight - 4) + "px";
