@@ -57,7 +57,7 @@ inline constexpr Choice order_choices[] = {
 enum class Splitting { across_motion, all_directions, none };
 inline constexpr Choice splitting_choices[] = {
     {"across_motion",
-     "split particles that flow where cells would run empty beside them, and merge alike ones where they crowd"},
+     "split particles that flow where cells beside their way would run empty, and merge alike ones where they crowd"},
     {"all_directions",
      "the same, also along their motion: no gaps in thin layers, but their fronts reach up to 10 % farther"},
     {"none", "the number of particles does not change"},

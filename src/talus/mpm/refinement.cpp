@@ -160,12 +160,7 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
   return std::min(1.0, longest * longest / trace(longer)) * longer;
 }
 
-SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v) {
-  Tensor<double> P;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) P[a][b] = (a == b ? 1 : 0) - v[a] * v[b] / dot(v, v);
-  return rotate(P, S);
-}
+SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v) { return compressed(S, (1 / length(v)) * v, 0); }
 
 template <int Dim>
 std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body, RowRange range,

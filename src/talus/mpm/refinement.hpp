@@ -54,12 +54,12 @@ SymTensor<double> extent_of(const Particles<Dim>& p, int i);
 template <int Dim>
 void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S);
 
-/// S after motion with the velocity gradient L [1/s] for a time T [s], F = 1 + T L + (T L)^2/2: a rotation by 0.1 keeps the
-/// edges to 1e-5. A box longer than `longest` [m] is scaled down to
+/// S after motion with the velocity gradient L [1/s] for a time T [s], F = 1 + T L + (T L)^2/2: a rotation by 0.1 keeps
+/// the edges to 1e-5. A box longer than `longest` [m] is scaled down to
 /// it: its material is mixed with other material.
 SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest);
 
-/// S across the motion with the velocity v [m/s]: of its projection on the plane normal to v.
+/// S of the projection of a box on the plane normal to its velocity v [m/s], which is not 0.
 SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v);
 
 /// In which directions particles are split, and how fast at least they move then [m/s].
