@@ -51,15 +51,19 @@ TALUS_HD R trace(const SymTensor<R>& a) {
 /// a : b
 template <class R>
 TALUS_HD R double_dot(const SymTensor<R>& a, const SymTensor<R>& b) {
-  return a.xx * b.xx + a.yy * b.yy + a.zz * b.zz + R(2.0) * (a.xy * b.xy + a.yz * b.yz + a.zx * b.zx);
+  const R shear = multiply_add(a.zx, b.zx, multiply_add(a.yz, b.yz, a.xy * b.xy));
+  return multiply_add(R(2.0), shear, multiply_add(a.zz, b.zz, multiply_add(a.yy, b.yy, a.xx * b.xx)));
 }
 
 /// a . a, symmetric because a is.
 template <class R>
 TALUS_HD SymTensor<R> square(const SymTensor<R>& a) {
-  return {a.xx * a.xx + a.xy * a.xy + a.zx * a.zx, a.xy * a.xy + a.yy * a.yy + a.yz * a.yz,
-          a.zx * a.zx + a.yz * a.yz + a.zz * a.zz, a.xx * a.xy + a.xy * a.yy + a.zx * a.yz,
-          a.xy * a.zx + a.yy * a.yz + a.yz * a.zz, a.xx * a.zx + a.xy * a.yz + a.zx * a.zz};
+  const auto sum = [](R x0, R y0, R x1, R y1, R x2, R y2) {
+    return multiply_add(x2, y2, multiply_add(x1, y1, x0 * y0));
+  };
+  return {sum(a.xx, a.xx, a.xy, a.xy, a.zx, a.zx), sum(a.xy, a.xy, a.yy, a.yy, a.yz, a.yz),
+          sum(a.zx, a.zx, a.yz, a.yz, a.zz, a.zz), sum(a.xx, a.xy, a.xy, a.yy, a.zx, a.yz),
+          sum(a.xy, a.zx, a.yy, a.yz, a.yz, a.zz), sum(a.xx, a.zx, a.xy, a.yz, a.zx, a.zz)};
 }
 
 template <class R>

@@ -26,10 +26,13 @@ TALUS_HD SymTensor<R> symmetric_part(const Tensor<R>& a) {
 template <class R>
 TALUS_HD SymTensor<R> rotate(const Tensor<R>& Q, const SymTensor<R>& a) {
   const R A[3][3] = {{a.xx, a.xy, a.zx}, {a.xy, a.yy, a.yz}, {a.zx, a.yz, a.zz}};
+  const auto product = [](const R* row, const R& x, const R& y, const R& z) {
+    return multiply_add(row[2], z, multiply_add(row[1], y, row[0] * x));
+  };
   R QA[3][3];
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) QA[i][j] = Q[i][0] * A[0][j] + Q[i][1] * A[1][j] + Q[i][2] * A[2][j];
-  const auto entry = [&](int i, int j) { return QA[i][0] * Q[j][0] + QA[i][1] * Q[j][1] + QA[i][2] * Q[j][2]; };
+    for (int j = 0; j < 3; ++j) QA[i][j] = product(Q[i], A[0][j], A[1][j], A[2][j]);
+  const auto entry = [&](int i, int j) { return product(QA[i], Q[j][0], Q[j][1], Q[j][2]); };
   return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
 }
 
