@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "talus/base/columns.hpp"
@@ -175,8 +176,14 @@ class Particles {
 template <Number R, class State, int Dim>
 TALUS_HD State load_states(const ParticlesView<Dim>& particles, int first, int count) {
   State state;
-  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
-    numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first, count);
+  // One after the other without a loop, so that the compiler leaves out numbers that are not used.
+  [&]<std::size_t... k>(std::index_sequence<k...>) {
+    if (count >= width_of<R>)
+      ((numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first)), ...);
+    else
+      ((numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first, count)), ...);
+  }
+  (std::make_index_sequence<sizeof(State) / sizeof(R)>());
   return state;
 }
 template <Number R, class State, int Dim>

@@ -87,36 +87,52 @@ template <Number R, bool of_compression, class Law, int Dim>
 TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                                  const CellFinder<Dim>& cells, const ScratchView& s) {
   constexpr int n_cells = power(tile_edge, Dim);
+  const int n = tile.size();
   static_assert(n_cells % width_of<R> == 0);
-  double volume[n_cells] = {}, x[n_cells] = {}, rate[n_cells] = {}, p[n_cells];
-  for (int i = 0; i < tile.size(); i += 4) {
-    const Quad cell = cells.at(particles.places(tile.begin + i, tile.size() - i < 4 ? tile.size() - i : 4));
-    for (int lane = 0; lane < 4; ++lane) s.cell[i + lane] = int(cell[lane]);
+  // Volume, and its products with rate and compression. One particle in four adds to the same numbers: neighbours stand in
+  // one cell, and would wait for each other.
+  alignas(32) double sums[4][n_cells][4] = {}, means[n_cells][4], x[n_cells], p[n_cells];
+  for (int i = 0; i < n; i += 4) {
+    const int count = n - i < 4 ? n - i : 4;
+    const Quad cell = cells.at(particles.places(tile.begin + i, count)), volume = load<Quad>(&s.volume[i]);
+    Quad rate(0.0), added[4];
+    for (int a = 0; a < 3; ++a) rate += load<Quad>(&s.gradient[a][a][i]);
+    added[0] = volume;
+    added[1] = volume * rate;
+    added[2] = of_compression ? volume * load<Quad>(&s.x[i]) : Quad(0.0);
+    added[3] = Quad(0.0);
+    transpose(added);
+    for (int lane = 0; lane < count; ++lane) {
+      const int c = s.cell[i + lane] = int(cell[lane]);
+      store(sums[lane][c], load<Quad>(sums[lane][c]) + added[lane]);
+    }
   }
-  for (int i = 0; i < tile.size(); ++i) {
-    const int c = s.cell[i];
-    volume[c] += s.volume[i];
-    if constexpr (of_compression) x[c] += s.volume[i] * s.x[i];
-    rate[c] += s.volume[i] * (s.gradient[0][0][i] + s.gradient[1][1][i] + s.gradient[2][2][i]);
+  for (int c = 0; c < n_cells; ++c) {
+    Quad sum = load<Quad>(sums[0][c]);
+    for (int k = 1; k < 4; ++k) sum += load<Quad>(sums[k][c]);
+    const double volume = sum[0];
+    const Quad mean = volume > 0 ? sum / Quad(volume) : Quad(0.0);
+    store(means[c], mean);
+    x[c] = mean[2];
   }
-  for (int c = 0; c < n_cells; c += width_of<R>) {
-    for (int k = c; k < c + width_of<R>; ++k)
-      if (volume[k] > 0) {
-        x[k] /= volume[k];
-        rate[k] /= volume[k];
-      }
-    if constexpr (of_compression) {
+  if constexpr (of_compression)
+    for (int c = 0; c < n_cells; c += width_of<R>) {
       const R mean = compression_of_mean(law, load<R>(&x[c]));
       store(&x[c], mean);
       store(&p[c], law.pressure_at(mean));
+      for (int k = c; k < c + width_of<R>; ++k) {
+        means[k][2] = x[k];
+        means[k][3] = p[k];
+      }
     }
-  }
-  for (int i = 0; i < tile.size() || i % width_of<R> != 0; ++i) {  // lanes behind the last particle repeat it
-    const int c = s.cell[i < tile.size() ? i : tile.size() - 1];
-    s.mean_rate[i] = rate[c];
+  for (int i = 0; i < n || i % width_of<R> != 0; i += 4) {  // lanes behind the last particle repeat it
+    Quad mean[4];
+    for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[s.cell[i + lane < n ? i + lane : n - 1]]);
+    transpose(mean);
+    store(&s.mean_rate[i], mean[1]);
     if constexpr (of_compression) {
-      s.mean_x[i] = x[c];
-      s.mean_p[i] = p[c];
+      store(&s.mean_x[i], mean[2]);
+      store(&s.mean_p[i], mean[3]);
     }
   }
 }
