@@ -50,15 +50,16 @@ struct Domain {
     return x;
   }
 
-  /// Whether particles may be at four positions, in cells. They may be beyond sides of kind `outflow` or `periodic`, and
+  /// Whether particles may be at several positions, in cells. They may be beyond sides of kind `outflow` or `periodic`, and
   /// nowhere if not finite.
-  TALUS_HD bool contains(const std::array<Quad, Dim>& x_in_cells) const {
+  template <class R>
+  TALUS_HD bool contains(const std::array<R, Dim>& x_in_cells) const {
     bool all_inside = true;
     for (int a = 0; a < Dim; ++a) {
       constexpr double far = 1e6;
       const double low = is_periodic(a) || lets_out(2 * a) ? -far : 0,
                    high = n_cells[a] + (is_periodic(a) || lets_out(2 * a + 1) ? far : 0);
-      all_inside &= all((x_in_cells[a] >= Quad(low)) & (x_in_cells[a] <= Quad(high)));
+      all_inside &= all((x_in_cells[a] >= R(low)) & (x_in_cells[a] <= R(high)));
     }
     return all_inside;
   }

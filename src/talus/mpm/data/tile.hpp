@@ -7,6 +7,7 @@
 /// number, and the sums do not depend on how many threads there are.
 
 #include <type_traits>
+#include <utility>
 
 #include "talus/math/vec.hpp"
 #include "talus/mpm/data/node.hpp"
@@ -129,36 +130,19 @@ TALUS_HD void clear_window(Node* window) {
 template <int Dim, class Shape, class Node>
 TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, Node* sums) {
   using Layout = TileLayout<Dim, Shape>;
-  constexpr int below = Layout::below, above = Layout::above, edge = Layout::window_edge;
-  constexpr int plane = Dim == 3 ? edge * edge : 0, own_plane = Dim == 3 ? tile_edge * tile_edge : 0;
-  const Node* of[n_neighbours<Dim>];
-  for (int n = 0; n < n_neighbours<Dim>; ++n) {
-    const int other = tiles[t].neighbours[n];
-    of[n] = other < 0 || !tiles[other].occupied ? nullptr : windows + std::size_t(other) * Layout::n_window;
+  for (int i = 0; i < Layout::n_nodes; ++i) sums[i] = Node{};
+  const auto add = [&]<int neighbour>(std::integral_constant<int, neighbour>) {
+    const int other = tiles[t].neighbours[neighbour];
+    if (other < 0 || !tiles[other].occupied) return;
+    const Node* window = windows + std::size_t(other) * Layout::n_window;
+    constexpr Index<Dim> offset = offset_of<Dim>(neighbour);  // known to the compiler, and so is how often loops run
+    detail::for_each_shared<Dim, Shape>(
+        offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
+  };
+  [&]<int... neighbours>(std::integer_sequence<int, neighbours...>) {
+    (add(std::integral_constant<int, neighbours>()), ...);
   }
-  // A node in place i along an axis lies in the windows of the neighbours from `first` to `last`, there in place i + below -
-  // tile_edge times the neighbour.
-  const auto first = [](int i) { return i < above ? -1 : 0; };
-  const auto last = [](int i) { return i >= tile_edge - below ? 1 : 0; };
-  for (int k = 0; k < (Dim == 3 ? tile_edge : 1); ++k)
-    for (int j = 0; j < tile_edge; ++j) {
-      Node* own = sums + tile_edge * j + own_plane * k;
-      decltype(load_node(*own)) row[tile_edge];
-      for (int i = 0; i < tile_edge; ++i) row[i] = load_node(Node{});
-      for (int z = Dim == 3 ? first(k) : 0; z <= (Dim == 3 ? last(k) : 0); ++z)
-        for (int y = first(j); y <= last(j); ++y) {
-          const Node* const* neighbours = of + 1 + 3 * (y + 1) + (Dim == 3 ? 9 * (z + 1) : 0);
-          const int at = edge * (j + below - tile_edge * y) + plane * (k + below - tile_edge * z);
-          if (const Node* theirs = neighbours[-1])
-            for (int i = 0; i < above; ++i) row[i] = row[i] + load_node(theirs[at + i + below + tile_edge]);
-          if (const Node* theirs = neighbours[0])
-            for (int i = 0; i < tile_edge; ++i) row[i] = row[i] + load_node(theirs[at + i + below]);
-          if (const Node* theirs = neighbours[1])
-            for (int i = tile_edge - below; i < tile_edge; ++i)
-              row[i] = row[i] + load_node(theirs[at + i + below - tile_edge]);
-        }
-      for (int i = 0; i < tile_edge; ++i) store_node(own[i], row[i]);
-    }
+  (std::make_integer_sequence<int, n_neighbours<Dim>>());
 }
 
 /// Calls take(node, w) for the nodes of a tile and its neighbours, with their number w in a window, and lack(w) where

@@ -182,12 +182,22 @@ struct Touched {
   /// N along an axis, times the power of x in which it enters each of eight moments.
   template <int octet, int axis>
   TALUS_HD void find_along(int lane, Octet (&along)[n]) const {
-    const Octet first = having<octet, axis, 1>(), second = having<octet, axis, 2>();
-    const Octet neither = Octet(1.0) - first - second;
     for (int i = 0; i < n; ++i) {
-      const Octet d(x[axis][i][lane]), power = multiply_add(second, d * d, multiply_add(first, d, neither));
-      along[i] = Octet(weights.N[axis][i][lane]) * power;
+      along[i] = Octet(weights.N[axis][i][lane]);
+      const Octet d(x[axis][i][lane]);
+      if constexpr (has_any<octet, axis, 2>())
+        along[i] *= multiply_add(having<octet, axis, 2>(), d * d,
+                                 multiply_add(having<octet, axis, 1>(), d, having<octet, axis, 0>()));
+      else if constexpr (has_any<octet, axis, 1>())
+        along[i] *= multiply_add(having<octet, axis, 1>(), d, having<octet, axis, 0>());
     }
+  }
+  /// Whether the place along an axis enters any of eight moments in this power.
+  template <int octet, int axis, int power>
+  TALUS_HD static constexpr bool has_any() {
+    for (int k = 0; k < 8; ++k)
+      if (FilterMoments<Dim>::power(2 * octet + k / 4, k % 4, axis) == power) return true;
+    return false;
   }
   /// 1 for those of eight moments that the place along an axis enters in this power, 0 for the others.
   template <int octet, int axis, int power>

@@ -73,14 +73,14 @@ TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mirrors<Dim>& wa
   sums[Sum::held_kinetic] += kinetic;
 }
 
-/// What the particles of a tile hold, added over bodies four by four.
+/// What the particles of a tile hold, added over bodies eight by eight.
 template <int Dim>
 struct ParticleSums {
-  Quad mass{0.0}, kinetic{0.0}, potential{0.0}, largest_speed2{0.0}, momentum[Dim];
+  Octet mass{0.0}, kinetic{0.0}, potential{0.0}, largest_speed2{0.0}, momentum[Dim];
   bool all_inside = true;
 
   TALUS_HD ParticleSums() {
-    for (Quad& m : momentum) m = Quad(0.0);
+    for (Octet& m : momentum) m = Octet(0.0);
   }
   TALUS_HD void add_to(TileSums& sums) const {
     for (int a = 0; a < Dim; ++a) sums.sums[std::size_t(Sum::momentum) + std::size_t(a)] += sum_of(momentum[a]);
@@ -97,20 +97,21 @@ template <int Dim, class Shape>
 TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const Vec<Dim>& gravity,
                                ParticleSums<Dim>& total) {
   const ParticlesView<Dim>& p = points.particles;
-  for (int i = 0; i < points.size(); i += 4) {
-    const int first = points.range.begin + i, count = points.count(i);
-    Quad mass = load<Quad>(p.mass() + first, count);
-    for (int lane = count; lane < 4; ++lane) mass.set(lane, 0);
-    const FourPlaces<Dim> x = p.places(first, count);
-    Quad speed2(0.0);
+  for (int i = 0; i < points.size(); i += 8) {
+    const int first = points.range.begin + i, count = points.size() - i < 8 ? points.size() - i : 8;
+    Octet mass = load<Octet>(p.mass() + first, count);
+    for (int lane = count; lane < 8; ++lane) mass.set(lane, 0);
+    std::array<Octet, Dim> x;
+    Octet speed2(0.0);
     for (int a = 0; a < Dim; ++a) {
-      const Quad v = load<Quad>(p.velocity(a) + first, count), mv = mass * v;
+      x[a] = load<Octet>(p.position(a) + first, count);
+      const Octet v = load<Octet>(p.velocity(a) + first, count), mv = mass * v;
       speed2 += v * v;
       total.momentum[a] += mv;
-      total.potential -= Quad(gravity[a]) * (mass * x[a]);
+      total.potential -= Octet(gravity[a]) * (mass * x[a]);
     }
     total.mass += mass;
-    total.kinetic += Quad(0.5) * mass * speed2;
+    total.kinetic += Octet(0.5) * mass * speed2;
     total.largest_speed2 = max(total.largest_speed2, speed2);
     total.all_inside &= domain.contains(domain.in_cells(x));
   }
