@@ -70,20 +70,49 @@ inline EightIndices indices_of(EightDoubles x) {
 inline EightDoubles pick(EightDoubles from, EightIndices lanes) {
   return _mm512_maskz_permutexvar_pd(all_eight, reinterpret_cast<__m512i>(lanes), from);
 }
-inline void interleave(EightDoubles a, EightDoubles b, EightDoubles& even, EightDoubles& odd) {
-  even = __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
-  odd = __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+inline EightDoubles pick(EightDoubles from, EightDoubles behind, EightIndices lanes) {
+  return _mm512_permutex2var_pd(from, reinterpret_cast<__m512i>(lanes), behind);
 }
-inline EightDoubles repeat_two(const double* two) { return _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two)); }
-inline EightDoubles four_twice(const double* four) {
-  const EightDoubles x = _mm512_maskz_broadcast_f64x4(all_eight, _mm256_load_pd(four));
-  return __builtin_shufflevector(x, x, 0, 0, 1, 1, 2, 2, 3, 3);
+inline EightIndices behind_eight(EightIndices lanes, EightMasks which) {
+  const __m512i x = reinterpret_cast<__m512i>(lanes);
+  return reinterpret_cast<EightIndices>(_mm512_mask_add_epi64(x, which.bits, x, _mm512_set1_epi64(8)));
 }
-inline EightDoubles move_on(EightDoubles x, const double* two) {
-  const EightDoubles next = _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two));
-  return __builtin_shufflevector(x, next, 2, 3, 4, 5, 6, 7, 8, 9);
+inline void to_fours(EightDoubles& a, EightDoubles& b, EightDoubles& c, EightDoubles& d) {
+  const EightDoubles ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11);
+  const EightDoubles ab_behind = __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15);
+  const EightDoubles cd = __builtin_shufflevector(c, d, 0, 8, 1, 9, 2, 10, 3, 11);
+  const EightDoubles cd_behind = __builtin_shufflevector(c, d, 4, 12, 5, 13, 6, 14, 7, 15);
+  a = __builtin_shufflevector(ab, cd, 0, 1, 8, 9, 2, 3, 10, 11);
+  b = __builtin_shufflevector(ab, cd, 4, 5, 12, 13, 6, 7, 14, 15);
+  c = __builtin_shufflevector(ab_behind, cd_behind, 0, 1, 8, 9, 2, 3, 10, 11);
+  d = __builtin_shufflevector(ab_behind, cd_behind, 4, 5, 12, 13, 6, 7, 14, 15);
 }
-inline void write_two(EightDoubles x, double* two) { _mm_store_pd(two, __builtin_shufflevector(x, x, 0, 1)); }
+inline void from_fours(EightDoubles& a, EightDoubles& b, EightDoubles& c, EightDoubles& d) {
+  const EightDoubles ab = __builtin_shufflevector(a, b, 0, 4, 8, 12, 1, 5, 9, 13);
+  const EightDoubles ab_behind = __builtin_shufflevector(a, b, 2, 6, 10, 14, 3, 7, 11, 15);
+  const EightDoubles cd = __builtin_shufflevector(c, d, 0, 4, 8, 12, 1, 5, 9, 13);
+  const EightDoubles cd_behind = __builtin_shufflevector(c, d, 2, 6, 10, 14, 3, 7, 11, 15);
+  a = __builtin_shufflevector(ab, cd, 0, 1, 2, 3, 8, 9, 10, 11);
+  b = __builtin_shufflevector(ab, cd, 4, 5, 6, 7, 12, 13, 14, 15);
+  c = __builtin_shufflevector(ab_behind, cd_behind, 0, 1, 2, 3, 8, 9, 10, 11);
+  d = __builtin_shufflevector(ab_behind, cd_behind, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+template <int two>
+EightDoubles four_times(EightDoubles x, EightDoubles fourth) {
+  constexpr int a = 2 * two, b = a + 1;
+  return __builtin_shufflevector(x, fourth, a, a, a, 8 + a, b, b, b, 8 + b);
+}
+inline EightDoubles repeat_four(const double* four) {
+  return _mm512_maskz_broadcast_f64x4(all_eight, _mm256_load_pd(four));
+}
+inline EightDoubles four_twice(const double* two) {
+  const EightDoubles x = _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two));
+  return __builtin_shufflevector(x, x, 0, 0, 0, 0, 1, 1, 1, 1);
+}
+inline void move_on(EightDoubles& a, EightDoubles& b, const double* four) {
+  a = __builtin_shufflevector(a, b, 4, 5, 6, 7, 8, 9, 10, 11);
+  b = __builtin_shufflevector(b, repeat_four(four), 4, 5, 6, 7, 8, 9, 10, 11);
+}
 inline unsigned bits_of_masks(EightMasks m) { return m.bits; }
 
 }  // namespace talus

@@ -165,20 +165,23 @@ using PackDoubles = Two<EightDoubles>;
 using EightDoubles = Two<FourDoubles>;
 using PackDoubles = EightDoubles;
 using EightIndices = EightLanes;
-TALUS_HD inline EightDoubles repeat_two(const double* two) {
-  const FourDoubles x{two[0], two[1], two[0], two[1]};
+/// Four numbers twice; each of two numbers four times.
+TALUS_HD inline EightDoubles repeat_four(const double* four) {
+  FourDoubles x;
+  read(four, x);
   return {x, x};
 }
-TALUS_HD inline EightDoubles move_on(EightDoubles x, const double* two) {
-  const FourDoubles next{two[0], two[1], two[0], two[1]};
-  return {shuffle<2, 3, 4, 5>(x.low, x.high), shuffle<2, 3, 4, 5>(x.high, next)};
+TALUS_HD inline EightDoubles four_twice(const double* two) {
+  EightDoubles x;
+  broadcast(two[0], x.low);
+  broadcast(two[1], x.high);
+  return x;
 }
-TALUS_HD inline void write_two(EightDoubles x, double* two) {
-  two[0] = x[0];
-  two[1] = x[1];
-}
-TALUS_HD inline EightDoubles four_twice(const double* four) {
-  return {FourDoubles{four[0], four[0], four[1], four[1]}, FourDoubles{four[2], four[2], four[3], four[3]}};
+/// Leaves out the first four of sixteen numbers and takes four more behind them.
+TALUS_HD inline void move_on(EightDoubles& a, EightDoubles& b, const double* four) {
+  a = {a.high, b.low};
+  b.low = b.high;
+  read(four, b.high);
 }
 #endif
 /// Whether eight numbers are one register.

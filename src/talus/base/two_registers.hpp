@@ -139,8 +139,9 @@ TALUS_HD void write_first(Two<R> x, int count, double* column) {
   write_first(x.high, count - Two<R>::half, column + Two<R>::half);
 }
 
-/// Numbers of lanes, and what follows from them: in lanes at[i] of the other; lanes of a and b in turn, the even ones and the
-/// odd ones; two numbers four times; the lanes from the third on and two more numbers; each of four numbers twice. For eight lanes, in two registers as they stand in one.
+// For eight lanes, in two registers as they stand in one:
+
+/// Numbers of lanes.
 struct EightLanes {
   int at[8];
 };
@@ -150,6 +151,13 @@ TALUS_HD EightLanes indices_of(Two<R> x) {
   for (int i = 0; i < 8; ++i) lanes.at[i] = int(x[i]);
   return lanes;
 }
+/// Numbers larger by eight, in some lanes.
+template <class M>
+TALUS_HD EightLanes behind_eight(EightLanes lanes, Two<M> which) {
+  for (int i = 0; i < 8; ++i) lanes.at[i] += which[i] != 0 ? 8 : 0;
+  return lanes;
+}
+/// The lanes with these numbers of one, or of two one behind the other.
 template <class R>
 TALUS_HD Two<R> pick(Two<R> from, const EightLanes& lanes) {
   Two<R> x{};
@@ -157,13 +165,33 @@ TALUS_HD Two<R> pick(Two<R> from, const EightLanes& lanes) {
   return x;
 }
 template <class R>
-TALUS_HD void interleave(Two<R> a, Two<R> b, Two<R>& even, Two<R>& odd) {
-  for (int i = 0; i < 8; i += 2) {
-    set_number(even, i, a[i]);
-    set_number(even, i + 1, b[i]);
-    set_number(odd, i, a[i + 1]);
-    set_number(odd, i + 1, b[i + 1]);
+TALUS_HD Two<R> pick(Two<R> from, Two<R> behind, const EightLanes& lanes) {
+  Two<R> x{};
+  for (int i = 0; i < 8; ++i) {
+    const int at = lanes.at[i];
+    set_number(x, i, at < 8 ? from[at] : behind[at - 8]);
   }
+  return x;
+}
+/// Lanes 0 of a, b, c and d, lanes 1, and so on: eight times four numbers instead of four times eight; and back.
+template <class R>
+TALUS_HD void to_fours(Two<R>& a, Two<R>& b, Two<R>& c, Two<R>& d) {
+  const Two<R> from[4] = {a, b, c, d};
+  Two<R>* const to[4] = {&a, &b, &c, &d};
+  for (int i = 0; i < 32; ++i) set_number(*to[i / 8], i % 8, from[i % 4][i / 4]);
+}
+template <class R>
+TALUS_HD void from_fours(Two<R>& a, Two<R>& b, Two<R>& c, Two<R>& d) {
+  const Two<R> from[4] = {a, b, c, d};
+  Two<R>* const to[4] = {&a, &b, &c, &d};
+  for (int i = 0; i < 32; ++i) set_number(*to[i % 4], i / 4, from[i / 8][i % 8]);
+}
+/// Lane 2 two of x three times and of `fourth` once, then the next lane.
+template <int two, class R>
+TALUS_HD Two<R> four_times(Two<R> x, Two<R> fourth) {
+  Two<R> y{};
+  for (int i = 0; i < 8; ++i) set_number(y, i, (i % 4 < 3 ? x : fourth)[2 * two + i / 4]);
+  return y;
 }
 template <class M>
 TALUS_HD unsigned bits_of_masks(Two<M> m) {

@@ -196,6 +196,16 @@ struct Model {
   bool lets_ground_rest() const { return numerics.rest_tolerance > 0; }
   /// Whether a tile is left out of steps because its material rests.
   bool is_left_out(int t) const { return !rests.empty() && rests[std::size_t(t)].is_left_out(); }
+  /// Makes room for the velocities that particles interpolate from the nodes; what windows hold is lost.
+  void make_room_for_grid_velocities() {
+    std::size_t n = 0;
+    for (const auto& body : bodies) n += Dim * std::size_t(body.particles.size());
+    double* room = grid.room_behind_windows(n);
+    for (auto& body : bodies) {
+      body.grid_velocity = room;
+      room += Dim * std::size_t(body.particles.size());
+    }
+  }
   TilePoints<Dim, Shape> points(const ShapedBody<Dim, Shape>& body, int t) const {
     return points_of(body, grid.tile(t), t);
   }

@@ -202,6 +202,14 @@ TEST(Grid, LendsTheRoomOfItsArraysAndHasThemAllAgainAfterwards) {
   EXPECT_EQ(second.data() - first.data(), n);
   EXPECT_EQ(number(first.data()), number(grid.momentum.data()));
   EXPECT_EQ(grid.bytes(), bytes);
+  // Numbers of particles lie behind the windows of forces; as many as fit there need no more memory.
+  const double* behind = grid.room_behind_windows(4 * 343);
+  EXPECT_EQ(behind - number(grid.force_windows.data()), 4 * 343);
+  EXPECT_EQ(grid.bytes(), bytes);
+  double* many = grid.room_behind_windows(100'000);
+  std::fill_n(many, 100'000, 1.0);
+  EXPECT_EQ(many - number(grid.momentum_windows.data()), 4 * 343);
+  EXPECT_EQ(number(grid.force_windows.data()), number(grid.momentum_windows.data()));
 }
 
 }  // namespace talus::grid_test

@@ -143,6 +143,86 @@ TYPED_TEST(Lines, NewVelocitiesAndPlacesHaveTheBitsOfSingleParticles) {
   });
 }
 
+/// Rows for velocities of n particles, with one number more each that stays what it was.
+template <int Dim>
+struct VelocityRows {
+  std::vector<double> numbers;
+  int n;
+
+  VelocityRows(int count, ScratchView& s) : numbers(std::size_t(Dim * (count + 1)), rubbish), n(count) {
+    for (int a = 0; a < Dim; ++a) s.velocity[a] = numbers.data() + a * (n + 1);
+  }
+  GridVelocity<Dim> view() const {
+    GridVelocity<Dim> rows;
+    for (int a = 0; a < Dim; ++a) rows[std::size_t(a)] = numbers.data() + a * (n + 1);
+    return rows;
+  }
+};
+
+TYPED_TEST(Lines, VelocitiesOfTheGridAtParticlesHaveTheBitsOfSingleOnesAndNothingIsWrittenBehind) {
+  constexpr int Dim = TypeParam::dim;
+  using Shape = typename TypeParam::shape;
+  for_tiles<TypeParam>([](auto& tile) {
+    MassVelocity window[TileLayout<Dim, Shape>::n_window];
+    fill_window<Dim, Shape>(tile.tiles[0], tile.velocity.data(), window);
+    NodeRows<Dim, Shape, Dim> rows;
+    fill_rows<0>(tile.tiles[0], tile.velocity.data(), rows);
+    const auto points = tile.points();
+    VelocityRows<Dim> one(points.size(), tile.s);
+    find_gradients(points, tile.domain, window, tile.s);
+    VelocityRows<Dim> eight(points.size(), tile.s);
+    find_gradients(points, tile.domain, rows, tile.s);
+    EXPECT_EQ(eight.numbers, one.numbers);
+    for (int i = 0; i < points.size(); ++i) {
+      const auto w = weights_of(points, tile.domain, i, 1);
+      const Quad v = interpolate(ParticleWeights<Dim, Shape>{w, 0}, window);
+      for (int a = 0; a < Dim; ++a) EXPECT_EQ(one.view()[std::size_t(a)][i], v[a]) << i;
+    }
+    for (int a = 0; a < Dim; ++a) EXPECT_EQ(one.view()[std::size_t(a)][points.size()], rubbish);
+  });
+}
+
+TYPED_TEST(Lines, AccelerationsAndTheVelocityBeforeMoveParticlesAsNewVelocitiesDo) {
+  constexpr int Dim = TypeParam::dim;
+  using Shape = typename TypeParam::shape;
+  constexpr int n_window = TileLayout<Dim, Shape>::n_window;
+  for_tiles<TypeParam>([](auto& tile) {
+    const double dt = 0.01, alpha = 0.7;
+    std::vector<MassVelocity> after;  // v + dt a
+    for (std::size_t i = 0; i < tile.velocity.size(); ++i)
+      after.push_back(node_of<MassVelocity>(load_node(tile.velocity[i]) + Quad(dt) * load_node(tile.acceleration[i])));
+    MassVelocity velocity[n_window];
+    Acceleration acceleration[n_window];
+    NodeMotion motion[n_window];
+    NodeRows<Dim, Shape, Dim> rows;
+    fill_window<Dim, Shape>(tile.tiles[0], tile.velocity.data(), velocity);
+    fill_window<Dim, Shape>(tile.tiles[0], tile.acceleration.data(), acceleration);
+    fill_window<Dim, Shape>(tile.tiles[0], after.data(), tile.acceleration.data(), motion);
+    fill_rows<0>(tile.tiles[0], tile.acceleration.data(), rows);
+    auto& p = tile.bodies[0].particles;
+    VelocityRows<Dim> before(p.size(), tile.s);
+    find_gradients(tile.points(), tile.domain, velocity, tile.s);
+
+    const auto columns = [&](auto f) {
+      for (int a = 0; a < Dim; ++a)
+        for (double* column : {p.position(a), p.velocity(a)})
+          for (int i = 0; i < p.size(); ++i) f(column[i]);
+    };
+    std::vector<double> start;
+    columns([&](double x) { start.push_back(x); });
+    const auto moved = [&](auto move) {
+      std::vector<double> ends{move()};
+      columns([&, i = 0](double& x) mutable { ends.push_back(std::exchange(x, start[std::size_t(i++)])); });
+      return ends;
+    };
+    const auto one = moved([&] { return advance(tile.points(), tile.domain, dt, alpha, acceleration, before.view()); });
+    const auto eight = moved([&] { return advance(tile.points(), tile.domain, dt, alpha, rows, before.view()); });
+    EXPECT_EQ(eight, one);
+    const auto direct = moved([&] { return advance<Advance::both>(tile.points(), tile.domain, dt, alpha, motion); });
+    for (std::size_t i = 0; i < direct.size(); ++i) EXPECT_NEAR(one[i], direct[i], 1e-14 * (1 + std::abs(direct[i])));
+  });
+}
+
 template <class Node, int n>
 void expect_same(const Node (&found)[n], const Node (&expected)[n]) {
   for (int i = 0; i < n; ++i)
@@ -154,21 +234,17 @@ TYPED_TEST(Lines, MassMomentumAndForcesAtNodesHaveTheBitsOfSingleParticles) {
   using Shape = typename TypeParam::shape;
   constexpr int n = TileLayout<Dim, Shape>::n_window;
   for_tiles<TypeParam>([](auto& tile) {
-    SumRows<Dim, Shape> rows;
-    MassMomentum expected[n] = {}, found[n];
-    add_mass_and_momentum(tile.points(), tile.domain, expected);
-    rows.clear();
-    add_mass_and_momentum(tile.points(), tile.domain, rows);
-    rows.store_to(found);
-    expect_same(found, expected);
-    // Forces are added to what is there.
-    ForceStiffness forces[n], before[n];
-    for (int i = 0; i < n; ++i) forces[i] = before[i] = node_of<ForceStiffness>(tile.numbers());
+    // They are added to what is there.
+    MassMomentum momentum[n], of_lines[n];
+    for (int i = 0; i < n; ++i) momentum[i] = of_lines[i] = node_of<MassMomentum>(tile.numbers());
+    add_mass_and_momentum(tile.points(), tile.domain, momentum);
+    add_mass_and_momentum_in_lines(tile.points(), tile.domain, of_lines);
+    expect_same(of_lines, momentum);
+    ForceStiffness forces[n], forces_of_lines[n];
+    for (int i = 0; i < n; ++i) forces[i] = forces_of_lines[i] = node_of<ForceStiffness>(tile.numbers());
     add_forces<false>(tile.points(), tile.domain, tile.s, forces);
-    rows.load_from(before);
-    add_forces<false>(tile.points(), tile.domain, tile.s, rows);
-    rows.store_to(before);
-    expect_same(before, forces);
+    add_forces_in_lines<false>(tile.points(), tile.domain, tile.s, forces_of_lines);
+    expect_same(forces_of_lines, forces);
   });
 }
 
@@ -184,12 +260,9 @@ TEST(LinesAroundAnAxis, HoopRatesAndForcesHaveTheBitsOfSingleParticles) {
   std::fill_n(tile.s.gradient[2][2], 64, rubbish);
   find_gradients(tile.points(), tile.domain, velocity, tile.s);
   for (int i = 0; i < 64; ++i) EXPECT_EQ(tile.s.gradient[2][2][i], rates[std::size_t(i)]) << i;
-  ForceStiffness expected[n] = {}, found[n];
+  ForceStiffness expected[n] = {}, found[n] = {};
   add_forces<true>(tile.points(), tile.domain, tile.s, expected);
-  SumRows<2, Quadratic> rows;
-  rows.clear();
-  add_forces<true>(tile.points(), tile.domain, tile.s, rows);
-  rows.store_to(found);
+  add_forces_in_lines<true>(tile.points(), tile.domain, tile.s, found);
   expect_same(found, expected);
 }
 

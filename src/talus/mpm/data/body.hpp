@@ -25,6 +25,9 @@ struct Body {
 template <int Dim, class Shape>
 struct ShapedBody : Body<Dim> {
   Shape shape;
+  double* grid_velocity = nullptr;  ///< that particles have interpolated, axis by axis [m/s]; in a room of the grid
+
+  double* grid_velocity_along(int axis) const { return grid_velocity + std::size_t(axis) * this->particles.size(); }
 };
 
 /// The particles of a body in one tile, as a view for kernels.

@@ -135,6 +135,7 @@ class Room {
 /// | windows | particles give momentum | nodes have added it up | momentum |
 /// | windows | stresses are updated | nodes have added up forces | forces |
 /// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
+/// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |
 /// | nodes, first quarter | momentum is added up | stresses are updated | momentum |
 /// | nodes, first quarter | forces are added up | particles have moved | forces |
 /// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
@@ -186,6 +187,12 @@ class Grid {
     return Windows<Node>(windows_.at<Node>(0));
   }
 
+  /// Room for numbers behind the windows of momentum and forces, whose values are lost.
+  double* room_behind_windows(std::size_t n_numbers) {
+    make_room_for_windows(sizeof(MassMomentum), n_numbers * sizeof(double));
+    return windows_.at<double>(sizeof(MassMomentum) * cells_.size() * Layout::n_window);
+  }
+
   /// Bytes held.
   std::size_t bytes() const { return nodes_.bytes() + windows_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
 
@@ -202,8 +209,8 @@ class Grid {
     place(acceleration, 2);
     place(new_velocity, 3);
   }
-  void make_room_for_windows(std::size_t bytes_a_node) {
-    windows_.enlarge(bytes_a_node * cells_.size() * Layout::n_window);
+  void make_room_for_windows(std::size_t bytes_a_node, std::size_t bytes_behind = 0) {
+    windows_.enlarge(bytes_a_node * cells_.size() * Layout::n_window + bytes_behind);
     momentum_windows = Windows<MassMomentum>(windows_.at<MassMomentum>(0));
     force_windows = Windows<ForceStiffness>(windows_.at<ForceStiffness>(0));
   }

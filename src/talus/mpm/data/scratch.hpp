@@ -16,6 +16,7 @@ struct ScratchView {
   double *x, *volume;                   ///< elastic compression and volume of the particles
   double *mean_x, *mean_p, *mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
   int* cell;                            ///< of the particle, in its tile
+  double* velocity[3] = {};             ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
   TALUS_HD Tensor<double> gradient_of(int i) const {
     Tensor<double> L;

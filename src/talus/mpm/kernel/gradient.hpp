@@ -1,6 +1,7 @@
 #pragma once
-/// The velocity gradient at particles, L_ab = sum v_Ia dN_I/dx_b; around an axis also L_tt = v_r/r.
-/// Reads the nodes' velocities, writes the rows `gradient` of the scratch.
+/// The velocity gradient at particles, L_ab = sum v_Ia dN_I/dx_b; around an axis also L_tt = v_r/r. And, if the scratch has
+/// rows for it, their velocity itself, sum N_I v_I.
+/// Reads the nodes' velocities, writes the rows `gradient` and `velocity` of the scratch.
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
@@ -14,32 +15,18 @@ TALUS_HD Quad radius_of(const ParticlesView<Dim>& particles, const Domain<Dim>& 
   return max(load<Quad>(particles.position(0) + first, count), Quad(1e-6 * domain.h));
 }
 
-/// Columns of the gradient of four particles from number i of the tile on, in units of 1/cell, component by component:
-/// columns[b][a] = dv_a/dx_b.
+/// Columns of the gradient of four particles from number i of the tile on, in units of 1/cell, and the velocity, component
+/// by component: columns[b][a] = dv_a/dx_b.
 template <int Dim, class Shape>
-TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelocity* velocity,
-                                Quad (&columns)[Dim][4]) {
+TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelocity* velocity, Quad (&columns)[Dim][4],
+                                Quad (&v)[4]) {
   for (int lane = 0; lane < 4; ++lane) {
     Quad of_one[Dim];
-    gradient(ParticleWeights<Dim, Shape>{w, lane}, velocity, of_one);
+    v[lane] = gradient(ParticleWeights<Dim, Shape>{w, lane}, velocity, of_one);
     for (int b = 0; b < Dim; ++b) columns[b][lane] = of_one[b];
   }
   for (int b = 0; b < Dim; ++b) transpose(columns[b]);
-}
-
-/// Hoop strain rate: v_r/r.
-template <int Dim, class Shape>
-TALUS_HD void find_hoop_rates(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
-                              const MassVelocity* velocity, const ScratchView& s) {
-  for (int i = 0; i < points.size(); i += 4) {
-    const int count = points.count(i);
-    const auto w = weights_of(points, domain, i, count);
-    Quad at[4];
-    for (int lane = 0; lane < 4; ++lane) at[lane] = interpolate(ParticleWeights<Dim, Shape>{w, lane}, velocity);
-    transpose(at);
-    store(&s.gradient[2][2][i], at[0] / radius_of(points.particles, domain, points.range.begin + i, count));
-  }
-  for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4) store(&s.gradient[2][2][i], Quad(0.0));
+  transpose(v);
 }
 
 /// `velocity`: of the nodes of the tile's window.
@@ -47,19 +34,25 @@ template <int Dim, class Shape>
 TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                              const MassVelocity* velocity, const ScratchView& s) {
   const Quad per_length(1 / domain.h);
+  const bool around_axis = Dim == 2 && domain.axisymmetric;
   for (int i = 0; i < points.size(); i += 4) {
-    const auto w = weights_of(points, domain, i, points.count(i));
-    Quad columns[Dim][4];
-    gradients_of_four(w, velocity, columns);
+    const int count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    Quad columns[Dim][4], v[4];
+    gradients_of_four(w, velocity, columns, v);
     for (int b = 0; b < Dim; ++b)
       for (int a = 0; a < Dim; ++a) store(&s.gradient[a][b][i], per_length * columns[b][a]);
+    if (around_axis)  // the hoop strain rate: v_r/r
+      store(&s.gradient[2][2][i], v[0] / radius_of(points.particles, domain, points.range.begin + i, count));
+    if (s.velocity[0])
+      for (int a = 0; a < Dim; ++a) store(s.velocity[a] + i, v[a], count);
   }
-  if constexpr (Dim == 2)
-    if (domain.axisymmetric) find_hoop_rates(points, domain, velocity, s);
   // Lanes after the last particle have no motion.
-  for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4)
+  for (int i = (points.size() + 3) / 4 * 4; i % widest_pack != 0; i += 4) {
     for (int a = 0; a < Dim; ++a)
       for (int b = 0; b < Dim; ++b) store(&s.gradient[a][b][i], Quad(0.0));
+    if (around_axis) store(&s.gradient[2][2][i], Quad(0.0));
+  }
 }
 
 }  // namespace talus

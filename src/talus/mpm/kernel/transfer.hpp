@@ -33,12 +33,15 @@ TALUS_HD NodeNumbers<Node> interpolate(const ParticleWeights<Dim, Shape>& w, con
   return sum;
 }
 
-/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell: column a of the gradient.
+/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell: column a of the gradient. Returns the sum of N_I value_I,
+/// with the bits of `interpolate`.
 template <int Dim, class Shape, class Node>
-TALUS_HD void gradient(const ParticleWeights<Dim, Shape>& w, const Node* v, NodeNumbers<Node> (&columns)[Dim]) {
+TALUS_HD NodeNumbers<Node> gradient(const ParticleWeights<Dim, Shape>& w, const Node* v,
+                                    NodeNumbers<Node> (&columns)[Dim]) {
   using R = NodeNumbers<Node>;
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
   for (auto& c : columns) c = R(0.0);
+  R value(0.0);
   for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
     R plane = R(0.0), plane_x = R(0.0), plane_y = R(0.0);
     for (int j = 0; j < n; ++j) {
@@ -56,7 +59,9 @@ TALUS_HD void gradient(const ParticleWeights<Dim, Shape>& w, const Node* v, Node
     columns[0] = multiply_add(weight, plane_x, columns[0]);
     columns[1] = multiply_add(weight, plane_y, columns[1]);
     if constexpr (Dim == 3) columns[2] = multiply_add(R(w.dN(2, k)), plane, columns[2]);
+    value = multiply_add(weight, plane, value);
   }
+  return value;
 }
 
 /// Adds N_I value to every node.

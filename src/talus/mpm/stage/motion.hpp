@@ -21,11 +21,25 @@ void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& 
     });
   }
   const auto move = [&](const auto& nodes) {
-    m.for_each_body(t, [&](auto&, const auto& points) {
-      sums.raise(Most::way_speed2, advance<which>(points, m.domain, step.dt, step.kept, nodes));
+    m.for_each_body(t, [&](auto& body, const auto& points) {
+      if constexpr (which == Advance::both) {
+        GridVelocity<Dim> before;
+        for (int a = 0; a < Dim; ++a) before[a] = body.grid_velocity_along(a);
+        sums.raise(Most::way_speed2, advance(points, m.domain, step.dt, step.kept, nodes, before));
+      } else {
+        sums.raise(Most::way_speed2, advance<which>(points, m.domain, step.dt, step.kept, nodes));
+      }
     });
   };
-  if constexpr (goes_by_lines<Dim, Shape>) {
+  if constexpr (which == Advance::both && goes_by_lines<Dim, Shape>) {
+    NodeRows<Dim, Shape, Dim> nodes;
+    fill_rows<0>(m.grid.tile(t), m.grid.acceleration.data(), nodes);
+    move(nodes);
+  } else if constexpr (which == Advance::both) {
+    Acceleration nodes[Layout::n_window];
+    m.window_of(t, m.grid.acceleration, nodes);
+    move(nodes);
+  } else if constexpr (goes_by_lines<Dim, Shape>) {
     NodeRows<Dim, Shape, 2 * Dim> nodes;
     fill_rows<0>(m.grid.tile(t), m.grid.new_velocity.data(), nodes);
     fill_rows<Dim>(m.grid.tile(t), m.grid.acceleration.data(), nodes);

@@ -25,23 +25,16 @@ template <int Dim, class Shape>
 void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, int t, const ScratchView& s,
                    bool first) {
   ForceStiffness* window = m.grid.force_windows.of(t);
-  const auto add_to = [&](auto& nodes) {
-    if constexpr (Dim == 2)
-      if (m.domain.axisymmetric) return add_forces<true>(points, m.domain, s, nodes);
-    add_forces<false>(points, m.domain, s, nodes);
-  };
-  if constexpr (goes_by_lines<Dim, Shape>) {
-    SumRows<Dim, Shape> rows;
-    if (first)
-      rows.clear();
+  if (first) clear_window<Dim, Shape>(window);
+  const auto add = [&]<bool hoops>() {
+    if constexpr (goes_by_lines<Dim, Shape>)
+      add_forces_in_lines<hoops>(points, m.domain, s, window);
     else
-      rows.load_from(window);
-    add_to(rows);
-    rows.store_to(window);
-  } else {
-    if (first) clear_window<Dim, Shape>(window);
-    add_to(window);
-  }
+      add_forces<hoops>(points, m.domain, s, window);
+  };
+  if constexpr (Dim == 2)
+    if (m.domain.axisymmetric) return add.template operator()<true>();
+  add.template operator()<false>();
 }
 /// Volume times the stress that the states of a tile's particles hold, and their stiffness, into the scratch.
 template <int Dim, class Shape>
@@ -115,6 +108,7 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
                          rest_speed_of(m),
                          std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) / m.domain.h)};
   const bool stress_first = n.order == Order::usf;
+  if (stress_first) m.make_room_for_grid_velocities();
   return m.over_tiles(stress_first ? &m.grid.force_windows : nullptr, [&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
@@ -129,7 +123,9 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
     bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const StressTimer timer(m, t, points.size());
-      const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      if (stress_first)
+        for (int a = 0; a < Dim; ++a) s.velocity[a] = body.grid_velocity_along(a) + points.range.begin;
       find_gradients(points, m.domain, velocity, s);
       update_stress(body.law, points.particles, points.range, cells, how, s, sums);
       if (stress_first) {

@@ -15,15 +15,13 @@ void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
     std::copy(m.rests[std::size_t(t)].momentum.begin(), m.rests[std::size_t(t)].momentum.end(), window);
     return;
   }
-  if constexpr (goes_by_lines<Dim, Shape>) {
-    SumRows<Dim, Shape> rows;
-    rows.clear();
-    m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, rows); });
-    rows.store_to(window);
-  } else {
-    clear_window<Dim, Shape>(window);
-    m.for_each_body(t, [&](auto&, const auto& points) { add_mass_and_momentum(points, m.domain, window); });
-  }
+  clear_window<Dim, Shape>(window);
+  m.for_each_body(t, [&](auto&, const auto& points) {
+    if constexpr (goes_by_lines<Dim, Shape>)
+      add_mass_and_momentum_in_lines(points, m.domain, window);
+    else
+      add_mass_and_momentum(points, m.domain, window);
+  });
   if (!is_affine(m.numerics.transfer)) return;
   m.for_each_body(t, [&](auto&, const auto& points) {
     if (m.numerics.transfer == Transfer::apic)
