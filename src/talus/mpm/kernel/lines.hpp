@@ -232,13 +232,14 @@ TALUS_INLINE Octet gradient_of_rows(const EightParticles<Dim, Shape>& w, const N
   return value;
 }
 
-/// Sum of N_I value_I for the numbers `numbers` of nodes.
-template <int Dim, class Shape, int n_numbers, int... numbers>
+/// Sums of N_I value_I of all numbers of the nodes.
+template <int Dim, class Shape, int n_numbers>
 TALUS_INLINE void interpolate_eight(const EightParticles<Dim, Shape>& w, const NodeRows<Dim, Shape, n_numbers>& window,
-                                    Octet (&values)[sizeof...(numbers)], std::integer_sequence<int, numbers...>) {
+                                    Octet (&values)[n_numbers]) {
   w.for_each_row([&](const auto& rows, auto lanes, bool is_first) {
     const auto set = [&](Octet& value, Octet x) { value = is_first ? x : select(lanes, x, value); };
-    (set(values[numbers], interpolate_rows<numbers>(w, window, rows)), ...);
+    [&]<int... c>(std::integer_sequence<int, c...>) { (set(values[c], interpolate_rows<c>(w, window, rows)), ...); }
+    (std::make_integer_sequence<int, n_numbers>());
   });
 }
 
@@ -291,7 +292,7 @@ TALUS_FLATTEN double advance(const TilePoints<Dim, Shape>& points, const Domain<
   Octet fastest2(0.0);
   detail::for_each_eight(points, domain, [&](int i, const Eight& w) {
     Octet at[2 * Dim], speed2(0.0);
-    detail::interpolate_eight(w, nodes, at, std::make_integer_sequence<int, 2 * Dim>());
+    detail::interpolate_eight(w, nodes, at);
     for (int axis = 0; axis < Dim; ++axis) {
       double *x = p.position(axis) + points.range.begin + i, *v = p.velocity(axis) + points.range.begin + i;
       if constexpr (which != Advance::places) {
@@ -317,7 +318,7 @@ TALUS_FLATTEN double advance(const TilePoints<Dim, Shape>& points, const Domain<
   detail::for_each_eight(points, domain, [&](int i, const Eight& w) {
     const int first = points.range.begin + i;
     Octet a[Dim], speed2(0.0);
-    detail::interpolate_eight(w, nodes, a, std::make_integer_sequence<int, Dim>());
+    detail::interpolate_eight(w, nodes, a);
     for (int axis = 0; axis < Dim; ++axis)
       speed2 = advance_along(axis, first, w.count, points.particles, Octet(dt), Octet(alpha), a[axis],
                              detail::load_lanes(before[axis] + first, w.count), speed2);
