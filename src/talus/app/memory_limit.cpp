@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 
 #include "talus/app/commands.hpp"
@@ -13,10 +14,17 @@ namespace talus {
 namespace {
 
 /// Calls only what a signal handler may call.
-void end_out_of_memory(int) {
+[[noreturn]] void end_out_of_memory() {
   for (const char* part : {"talus: ", out_of_memory, "\n"})
     if (::write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
   ::_exit(exit_failed);
+}
+
+void at_invalid_access(int) { end_out_of_memory(); }
+
+/// The program itself returns from main and has none of these codes: HDF5 leaves with -1, libgomp with 1.
+void at_exit(int code, void*) {
+  if (code == -1 || code == 1) end_out_of_memory();
 }
 
 }  // namespace
@@ -30,9 +38,10 @@ void report_out_of_memory_in_libraries() {
   other.ss_size = sizeof stack;
   ::sigaltstack(&other, nullptr);
   struct sigaction action {};
-  action.sa_handler = end_out_of_memory;
+  action.sa_handler = at_invalid_access;
   action.sa_flags = SA_ONSTACK;
   ::sigaction(SIGSEGV, &action, nullptr);
+  ::on_exit(at_exit, nullptr);
 }
 
 }  // namespace talus

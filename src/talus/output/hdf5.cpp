@@ -7,7 +7,20 @@
 
 namespace talus::hdf5 {
 
+namespace {
+
+/// HDF5 1.10 takes some 3 MB for its first file.
+constexpr std::size_t memory_of_a_file = std::size_t(8) << 20;
+
+void require_memory_of_a_file() {
+  char* volatile room = new char[memory_of_a_file];  // volatile: else the compiler may leave it out
+  delete[] room;
+}
+
+}  // namespace
+
 void begin() {
+  require_memory_of_a_file();
   static const herr_t without_atexit = H5dont_atexit();  // works once, before anything else
   (void)without_atexit;
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

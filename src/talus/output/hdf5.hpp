@@ -10,7 +10,8 @@
 namespace talus::hdf5 {
 
 /// To be called before any other function: errors are thrown instead of printed, and files that could not be written are
-/// left alone when the program ends, which HDF5 would crash on.
+/// left alone when the program ends, which HDF5 would crash on. Throws std::bad_alloc if there is less memory than HDF5
+/// takes for a file, as it crashes where it gets none.
 void begin();
 
 /// An HDF5 identifier that closes itself; a negative one is an error.
