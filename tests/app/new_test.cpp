@@ -53,7 +53,7 @@ TEST_F(ANewCase, IsTheShippedOneWithAllItsKeysExplained) {
   }
   const std::string slump = contents(in("slump_2d.toml"));
   EXPECT_TRUE(has(slump, "d = \"1 mm\"                                    # grain diameter (Eqs. 15, 16)\n")) << slump;
-  EXPECT_TRUE(has(slump, "#   numerics.cfl = 0.65 ")) << slump;
+  EXPECT_TRUE(has(slump, "#   numerics.cfl = 0.9 ")) << slump;
   const Finished wrong = program::talus("new slump2d");
   EXPECT_EQ(wrong.code, 2);
   EXPECT_TRUE(has(wrong.output, "`slump2d` is not a case of talus; did you mean `slump_2d`?")) << wrong.output;

@@ -32,7 +32,7 @@ TEST_F(Program, EveryCaseThatShipsRunsTenSteps) {
     // ten steps of some 0.1 ms each or less, of the landslide 40 ms; the large cylinder is cut short after a few
     const std::string until = has(entry.path().stem(), "slump")       ? "0.2 ms"
                               : has(entry.path().stem(), "landslide") ? "0.4 s"
-                              : has(entry.path().stem(), "cylinder")  ? "0.5 ms"
+                              : has(entry.path().stem(), "cylinder")  ? "0.7 ms"
                                                                       : "25 ms";
     const Finished run =
         talus("run " + entry.path().string() + " --until '" + until + "' --out " + in(entry.path().stem()));

@@ -46,9 +46,23 @@ TEST(Columns, ATableThatShrinksGivesBackItsMemoryOnceItNeedsLessThanHalf) {
 
 TEST(Columns, FewerRowsMayBeTakenThanThereAre) {
   Columns table = table_of({10, 11, 12, 13});
-  std::vector<double> spare(2);
+  Columns::Spare spare(table);
   table.permute(0, {3, 1}, spare);
-  EXPECT_EQ(column(table, 0), (std::vector<double>{13, 11, 12, 13})) << "those behind keep their values";
+  table.resize(2);
+  EXPECT_EQ(column(table, 0), (std::vector<double>{13, 11}));
+}
+
+TEST(Columns, ColumnsPermutedOneAfterTheOtherExchangeTheirMemory) {
+  Columns table(2);
+  table.resize(3);
+  for (int c = 0; c < 2; ++c)
+    for (int i = 0; i < 3; ++i) table.column(c)[i] = 10 * c + i;
+  Columns::Spare spare(table);
+  for (int c = 0; c < 2; ++c) table.permute(c, {2, 0, 1}, spare);
+  EXPECT_EQ(column(table, 0), (std::vector<double>{2, 0, 1}));
+  EXPECT_EQ(column(table, 1), (std::vector<double>{12, 10, 11}));
+  EXPECT_EQ(table.pointers()[0], table.column(0));
+  EXPECT_EQ(table.pointers()[1], table.column(1));
 }
 
 }  // namespace talus::columns_test

@@ -402,7 +402,7 @@ TEST(Resolve, FillsInWhatFollowsFromTheRest) {
   EXPECT_NEAR(r.walls[2].friction, 0.4036, 5e-5);  // of the beads on themselves, as in tests/input/read_case_test.cpp
   EXPECT_TRUE(r.walls[2].separates);
   EXPECT_DOUBLE_EQ(*r.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
-  EXPECT_EQ(r.numerics.cfl, 0.65);
+  EXPECT_EQ(r.numerics.cfl, 0.9);
   EXPECT_EQ(r.output.snapshots, 0.5 / 50);
   EXPECT_EQ(r.output.history, 0.5 / 500);
   EXPECT_EQ(r.output.front_thickness, m("1 mm"));  // a grain
@@ -471,11 +471,26 @@ TEST(Defaults, ThePapersPresetIsItsWholeScheme) {
   EXPECT_EQ(numerics_of(Preset::standard), Numerics());
 }
 
+/// The default of a case of these laws.
+double cfl_with(ShapeFunction shape, const std::vector<AnyLaw>& laws) {
+  Case case_;
+  case_.numerics.shape_function = shape;
+  for (const AnyLaw& law : laws) case_.materials.push_back({"material " + std::to_string(case_.materials.size()), law});
+  return default_cfl(case_).value;
+}
+
 TEST(Defaults, TheStepsMayBeAsLongAsTheShapeBears) {
-  EXPECT_EQ(default_cfl(ShapeFunction::quadratic).value, 0.65);
-  EXPECT_EQ(default_cfl(ShapeFunction::linear).value, 0.5);
-  EXPECT_EQ(default_cfl(ShapeFunction::cubic).value, 0.9);
-  EXPECT_EQ(default_cfl(ShapeFunction::ugimp).value, 0.5);
+  EXPECT_EQ(cfl_with(ShapeFunction::quadratic, {LinearElastic{}}), 0.65);
+  EXPECT_EQ(cfl_with(ShapeFunction::linear, {LinearElastic{}}), 0.5);
+  EXPECT_EQ(cfl_with(ShapeFunction::cubic, {LinearElastic{}}), 0.9);
+  EXPECT_EQ(cfl_with(ShapeFunction::ugimp, {LinearElastic{}}), 0.5);
+}
+
+TEST(Defaults, AParticleAloneDoesNotBoundStepsWhereItHasNoStiffness) {
+  EXPECT_EQ(cfl_with(ShapeFunction::quadratic, {Granular{}}), 0.9);
+  EXPECT_EQ(cfl_with(ShapeFunction::quadratic, {Simsand{}, Granular{}}), 0.9);
+  EXPECT_EQ(cfl_with(ShapeFunction::quadratic, {Granular{}, MohrCoulomb{}}), 0.65);
+  EXPECT_EQ(cfl_with(ShapeFunction::linear, {Granular{}}), 0.5);
 }
 
 TEST(Defaults, MaterialLiftsOffRoughGroundAndOffSmoothSolidsOnly) {

@@ -190,7 +190,7 @@ Numerics with_numerics(const std::string& lines) {
 }
 
 TEST(ReadCase, TheStepsMayBeAsLongAsTheShapeBears) {
-  EXPECT_EQ(with_numerics("").cfl, 0.65);
+  EXPECT_EQ(with_numerics("").cfl, 0.9);  // with granular material
   EXPECT_EQ(with_numerics("shape = \"linear\"").cfl, 0.5);
   EXPECT_EQ(with_numerics("shape = \"cubic\"").cfl, 0.9);
   EXPECT_EQ(with_numerics("shape = \"ugimp\"").cfl, 0.5);

@@ -14,6 +14,11 @@ namespace talus {
 
 /// Columns of equal length, each contiguous and aligned to a cache line.
 class Columns {
+  struct Free {
+    void operator()(double* p) const { std::free(p); }
+  };
+  using Storage = std::unique_ptr<double[], Free>;
+
  public:
   explicit Columns(int n_columns) : data_(n_columns), pointers_(n_columns) {}
 
@@ -62,20 +67,27 @@ class Columns {
     size_ = n;
   }
 
-  /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` keep their values. `spare`
-  /// is used as working space and has at least as many entries as `order`.
-  void permute(int c, const std::vector<int>& order, std::vector<double>& spare) {
-    double* values = data_[c].get();
-    for (std::size_t i = 0; i < order.size(); ++i) spare[i] = values[order[i]];
-    std::copy(spare.begin(), spare.begin() + long(order.size()), values);
+  /// Memory of a column without values, for `permute`.
+  class Spare {
+   public:
+    explicit Spare(const Columns& columns) : storage_(allocate(columns.n_that_fit_)) {}
+
+   private:
+    friend Columns;
+    Storage storage_;
+  };
+
+  /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` have any values. The column
+  /// changes its memory with the spare one.
+  void permute(int c, const std::vector<int>& order, Spare& spare) {
+    const double* values = data_[c].get();
+    double* permuted = spare.storage_.get();
+    for (std::size_t i = 0; i < order.size(); ++i) permuted[i] = values[order[i]];
+    std::swap(data_[c], spare.storage_);
+    pointers_[c] = permuted;
   }
 
  private:
-  struct Free {
-    void operator()(double* p) const { std::free(p); }
-  };
-  using Storage = std::unique_ptr<double[], Free>;
-
   bool keeps_memory_with(int n) const { return n <= n_that_fit_ && n >= n_that_fit_ / 2; }
 
   static Storage allocate(int n) {

@@ -174,9 +174,8 @@ struct Numerics {
   bool f_bar = false;  ///< only the rate of volume change is averaged over cells; not with `average_pressure`
   std::optional<double> bulk_viscosity;  ///< share of critical damping; by default from preset and order
   Integration integration{Integrator::return_mapping, 1e-3};
-  std::optional<double>
-      cfl;  ///< Courant number: share of a cell that waves and particles may cross in a step; by default that of the
-            ///< shape
+  /// Courant number: share of a cell that waves and particles may cross in a step; by default that of shape and laws.
+  std::optional<double> cfl;
   /// Factor on the elastic stiffness of every material: softer material permits longer steps.
   double stiffness_factor = 1;
   std::optional<double> dt;  ///< fixed step [s]; without it the step adapts

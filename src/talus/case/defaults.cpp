@@ -47,12 +47,14 @@ int default_choice(const Option& option, Preset preset, bool confined) {
   return 0;
 }
 
+namespace {
+
 /// Stability limit of a single particle under compression along all axes at the worst position: dt < 2
 /// sqrt(2/3)/sqrt(S) h/c with Poisson's ratio 0.2, where S = max sum N'^2/N: 6 for quadratic, 3.14 for cubic splines.
 /// uGIMP has 2/l + 1/(1 - l) with a half-width of l cells: 9.3 with two particles per cell and axis; for l = 0 it is
 /// the hat function. For hat functions S has no bound, and runs fail at 1: a particle that has just entered a cell acts
 /// on nodes with almost no mass (docs/performance.md, docs/numerics.md).
-Default default_cfl(ShapeFunction shape) {
+Default cfl_of_single_particles(ShapeFunction shape) {
   switch (shape) {
     case ShapeFunction::quadratic: return {0.65, "for quadratic shape functions"};
     case ShapeFunction::linear: return {0.5, "for linear shape functions"};
@@ -62,7 +64,25 @@ Default default_cfl(ShapeFunction shape) {
   return {0.5, ""};
 }
 
-double cfl_of(const Numerics& numerics) { return numerics.cfl.value_or(default_cfl(numerics.shape_function).value); }
+bool stiffens_from_nothing(const Material& material) {
+  return std::visit([](const auto& law) { return StiffensFromNothing<std::decay_t<decltype(law)>>; }, material.law);
+}
+
+}  // namespace
+
+/// A particle that is alone has no stress, so where stiffness vanishes with it, it bounds no step. Cells full of particles in
+/// any order, with bulk viscosity, are stable below 1.02 with quadratic splines (docs/performance.md).
+Default default_cfl(const Case& case_) {
+  const std::vector<Material>& materials = case_.materials;
+  if (case_.numerics.shape_function == ShapeFunction::quadratic && !materials.empty() &&
+      std::all_of(materials.begin(), materials.end(), stiffens_from_nothing))
+    return {0.9, "for quadratic shape functions, where stiffness vanishes with the stress"};
+  return cfl_of_single_particles(case_.numerics.shape_function);
+}
+
+double cfl_of(const Numerics& numerics) {
+  return numerics.cfl.value_or(cfl_of_single_particles(numerics.shape_function).value);
+}
 
 namespace {
 

@@ -39,9 +39,10 @@ Law law_of(Preset preset) {
   return law;
 }
 
-/// Default Courant number of a shape: share of a cell that waves and particles may cross in a step.
-Default default_cfl(ShapeFunction shape);
-/// The value of a case: that of the user, or the default.
+/// Default Courant number: share of a cell that waves and particles may cross in a step. Larger where the stiffness of all
+/// materials vanishes with their stress.
+Default default_cfl(const Case& case_);
+/// The value of a case: that of the user, or the default that suits any material.
 double cfl_of(const Numerics& numerics);
 
 /// Time constant of the decay of velocity fluctuations [s]; none without gravity.

@@ -54,7 +54,7 @@ void fill_in_defaults(Case& case_) {
   if (has_tau(n.transfer) && !n.tau)
     if (const std::optional<Default> tau = default_tau(case_)) n.tau = tau->value;
   n.bulk_viscosity = bulk_viscosity_of(n);
-  n.cfl = cfl_of(n);
+  if (!n.cfl) n.cfl = default_cfl(case_).value;
   if (n.particle_shifting && !n.shifting_length) n.shifting_length = case_.cell;
   OutputSpec& o = case_.output;
   if (!o.snapshots) o.snapshots = default_snapshots(case_).value;

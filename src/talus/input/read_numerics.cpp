@@ -84,7 +84,7 @@ void read_numerics(Section& s, Case& case_) {
     n.dt = s.number(keys::dt, *n.dt, "as in the paper");
   else
     n.dt = s.optional_number(keys::dt);
-  const Default cfl = default_cfl(n.shape_function);
+  const Default cfl = default_cfl(case_);
   n.cfl = s.number(keys::cfl, cfl.value, cfl.reason);
   n.stiffness_factor = s.number(keys::stiffness_factor, n.stiffness_factor);
   s.close();

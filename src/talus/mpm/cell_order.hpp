@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -42,10 +43,15 @@ std::uint64_t place_on_curve(const Index<Dim>& tile) {
   return place;
 }
 
+/// Position of particle i along an axis from the origin, in cells.
+template <int Dim>
+double place_in_cells(const Particles<Dim>& p, int i, const Domain<Dim>& domain, int axis) {
+  return (p.position(axis)[i] - domain.origin[axis]) / domain.h;
+}
 template <int Dim>
 Index<Dim> cell_of_particle(const Particles<Dim>& p, int i, const Domain<Dim>& domain) {
   Index<Dim> cell;
-  for (int a = 0; a < Dim; ++a) cell[a] = cell_of((p.position(a)[i] - domain.origin[a]) / domain.h);
+  for (int a = 0; a < Dim; ++a) cell[a] = cell_of(place_in_cells(p, i, domain, a));
   return cell;
 }
 template <int Dim>
@@ -166,7 +172,12 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
     backend.for_each(int(rows[b].size()), [&](int range, int worker) {
       std::size_t t = 0;
       for (int i = rows[b][std::size_t(range)].begin; i < rows[b][std::size_t(range)].end; ++i) {
-        Index<Dim> cell = cell_of_particle(particles, i, domain);
+        double in_cells[Dim];
+        Index<Dim> cell;
+        for (int a = 0; a < Dim; ++a) {
+          in_cells[a] = place_in_cells(particles, i, domain, a);
+          cell[a] = cell_of(in_cells[a]);
+        }
         const Index<Dim> place = tile_of_cell<Dim>(cell);
         if (!are_same<Dim>(occupied.places[t], place)) t = std::size_t(occupied.find(place));
         CellRange<Dim>& cells = ranges[std::size_t(worker)][t];
@@ -176,10 +187,8 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
           cells.high[a] = std::max(cells.high[a], cell[a]);
         }
         int line = 0;
-        for (int a = Dim - 1; a > 0; --a) {
-          const double in_tile = (particles.position(a)[i] - domain.origin[a]) / domain.h - tile_edge * place[a];
-          line = (tile_edge + 1) * line + std::clamp(cell_of(in_tile + 0.5), 0, tile_edge);
-        }
+        for (int a = Dim - 1; a > 0; --a)
+          line = (tile_edge + 1) * line + std::clamp(cell_of(in_cells[a] - tile_edge * place[a] + 0.5), 0, tile_edge);
         slot[std::size_t(i)] = std::uint32_t(t) * n_slots + std::uint32_t(tile_edge * line + cell[0]);
       }
     });
@@ -194,11 +203,11 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
     for (const RowRange& range : rows[b])
       for (int i = range.begin; i < range.end; ++i) order[std::size_t(next[slot[std::size_t(i)]]++)] = i;
     std::vector<std::uint32_t>().swap(slot);  // its memory serves as working space
-    std::vector<std::vector<double>> spare(n_workers);
+    std::vector<std::optional<Columns::Spare>> spare(n_workers);
     backend.for_each(particles.columns().n_columns(), [&](int c, int worker) {
-      std::vector<double>& own = spare[std::size_t(worker)];
-      own.resize(order.size());
-      particles.columns().permute(c, order, own);
+      std::optional<Columns::Spare>& own = spare[std::size_t(worker)];
+      if (!own) own.emplace(particles.columns());
+      particles.columns().permute(c, order, *own);
     });
     particles.resize(order.size());
   }

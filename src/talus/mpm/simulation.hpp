@@ -86,7 +86,9 @@ using ReadArray = std::function<std::vector<double>(const std::string& name, std
 
 /// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius
 /// [m].
-inline double size_of_particle(double volume, double radius, int dim) { return std::pow(volume / radius, 1.0 / dim); }
+inline double size_of_particle(double volume, double radius, int dim) {
+  return dim == 2 ? std::sqrt(volume / radius) : std::cbrt(volume / radius);
+}
 
 class Simulation {
  public:

@@ -37,10 +37,12 @@ std::pair<double, double> connected_range(const std::vector<Reach>& particles, d
     bool holds_material = false;
   };
   std::map<long, Strip> strips;
-  auto latest = strips.end();  // particles that follow one another are often in the same strip
+  constexpr std::size_t n_latest = 256;
+  std::pair<const long, Strip>* latest[n_latest] = {};  // a particle that is near others finds its strip at once
   const auto at = [&](long strip) -> Strip& {
-    if (latest == strips.end() || latest->first != strip) latest = strips.try_emplace(strip).first;
-    return latest->second;
+    auto*& found = latest[std::size_t(strip) % n_latest];
+    if (!found || found->first != strip) found = &*strips.try_emplace(strip).first;
+    return found->second;
   };
   long n = 0;
   const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
@@ -124,7 +126,7 @@ double OutlineFinder::half_size_of(const ParticlePlaces& particles, std::size_t 
   if (particles.ancestors.empty()) return half_sizes_[i];
   const auto ancestor = std::size_t(particles.ancestors[i]);
   const double share = particles.masses[i] / masses_[ancestor];
-  return share == 1 ? half_sizes_[ancestor] : std::pow(share, 1.0 / dim_) * half_sizes_[ancestor];
+  return share == 1 ? half_sizes_[ancestor] : size_of_particle(share, 1, dim_) * half_sizes_[ancestor];
 }
 
 double OutlineFinder::radius_of(const Vec<3>& place) const {

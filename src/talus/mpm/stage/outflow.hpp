@@ -70,7 +70,7 @@ void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, PlaceO
         range = {begin, end};
         begin = end;
       }
-      std::vector<double> spare(std::size_t(p.size()));
+      Columns::Spare spare(p.columns());
       for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
     }
     if (kept == p.size() && m.backend.n_owners() == 1) continue;
