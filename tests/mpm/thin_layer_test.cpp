@@ -12,6 +12,7 @@
 
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/case/defaults.hpp"
 
 namespace talus::thin_layer_test {
 
@@ -123,6 +124,7 @@ Case case_of(const Layer& layer, const AnyLaw& law) {
   body.region = points;
   what.bodies = {body};
   what.numerics.tau = 0.08 * std::sqrt(t / g);
+  what.numerics.cfl = default_cfl(what).value;
   what.end = 10;
   return what;
 }

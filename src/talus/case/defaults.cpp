@@ -70,13 +70,13 @@ bool stiffens_from_nothing(const Material& material) {
 
 }  // namespace
 
-/// A particle that is alone has no stress, so where stiffness vanishes with it, it bounds no step. Cells full of particles in
-/// any order, with bulk viscosity, are stable below 1.02 with quadratic splines (docs/performance.md).
+/// A particle that is alone has no stress, so where stiffness vanishes with it, it bounds no step. Cells that are full, in
+/// any order, are stable below 1.06 with quadratic splines and bulk viscosity (docs/performance.md).
 Default default_cfl(const Case& case_) {
   const std::vector<Material>& materials = case_.materials;
   if (case_.numerics.shape_function == ShapeFunction::quadratic && !materials.empty() &&
       std::all_of(materials.begin(), materials.end(), stiffens_from_nothing))
-    return {0.9, "for quadratic shape functions, where stiffness vanishes with the stress"};
+    return {0.9, "for quadratic shape functions and stiffness that vanishes with the stress"};
   return cfl_of_single_particles(case_.numerics.shape_function);
 }
 

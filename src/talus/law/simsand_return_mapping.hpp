@@ -233,7 +233,7 @@ TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const
 }
 
 /// Implicit return mapping of first order; it always finds a solution. Without a root above `least_x` the contacts have
-/// lost their pressure.
+/// lost their pressure. Grains that stay apart have no stress to return, and packs of them are done at once.
 template <Number R, class Friction = ConstantFriction>
 TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& law, Simsand::State<R>& state,
                                                                  const Motion<R>& motion,
@@ -242,6 +242,10 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const R zero = R(0.0), floor = R(least_x), unbounded = R(1e300);
   const R D_v = volumetric_compression(motion.strain);
   const Trial<R> trial = try_elastic(law, state, D_v);
+  if (!any(trial.can_touch)) {
+    state = let_go(law, state, D_v, trial, state.kappa + deviatoric_strain(deviator(motion.strain)));
+    return {outcome_of(trial.can_touch, trial.can_touch, state.x < zero), zero, zero, zero, zero, zero};
+  }
   const ReturnEquation<R, Friction> equation(law, state, motion.strain, trial, friction);
 
   const R start = max(trial.x, floor);
@@ -256,7 +260,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   // x is found to about 1e-8; and not closer than 1e-13 of the sum of magnitudes in the residual.
   const R noise = R(1e-13) * abs(trial.x);
   // What the next guess adds to x: a Newton step first, then steps of the secant.
-  R step = -r.residual / max(equation.slope(r), R(0.1));
+  R step = any(open) ? -r.residual / max(equation.slope(r), R(0.1)) : zero;
   for (int iteration = 0; iteration < 200 && any(open); ++iteration) {
     R target = r.x + step;
     const M inside = (target > low) & (target < high), near = inside & (abs(step) < R(0.5) * r.x);

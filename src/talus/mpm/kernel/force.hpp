@@ -9,6 +9,16 @@
 
 namespace talus {
 
+/// Whether particles from number i on, as many as R is wide, give nothing to nodes: grains that stand apart have no stress.
+template <class R>
+TALUS_HD bool give_no_force(const ScratchView& s, int i) {
+  const R zero(0.0);
+  if (any(!(load<R>(&s.stiffness[i]) == zero))) return false;
+  for (int c = 0; c < 6; ++c)
+    if (any(!(load<R>(&s.flux[c][i]) == zero))) return false;
+  return true;
+}
+
 /// Reads the rows `flux` and `stiffness` of the scratch, adds to the window of the particles' tile in their order. With
 /// `hoops`, material around an axis: the hoop stress pulls inwards.
 template <bool hoops, int Dim, class Shape>
@@ -17,6 +27,7 @@ TALUS_FLATTEN TALUS_HD void add_forces(const TilePoints<Dim, Shape>& points, con
   const Quad per_length(-1 / domain.h);
   constexpr int component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
   for (int i = 0; i < points.size(); i += 4) {
+    if (give_no_force<Quad>(s, i)) continue;
     const int count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
     Quad flux[Dim][4];

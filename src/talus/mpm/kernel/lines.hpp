@@ -17,6 +17,7 @@
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/advance.hpp"
+#include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
 
 namespace talus {
@@ -351,12 +352,13 @@ struct RowParts {
   alignas(64) double by_N[n_rows][8][4], by_dN[slopes ? n_rows : 1][8][4];
 };
 
-/// Adds what particles hand to nodes. `hand(i, w, parts)` finds it for eight particles from number i of the tile on.
+/// Adds what particles hand to nodes. `hand(i, w, parts)` finds it for eight particles from number i of the tile on;
+/// where `hand_nothing(i)`, they are left out.
 ///
 /// The sums of a cell, of four nodes in each of the rows that its particles touch, stay in registers, two nodes in each.
-template <bool slopes, int Dim, class Shape, NodeOfFour Node, class Hand>
+template <bool slopes, int Dim, class Shape, NodeOfFour Node, class HandNothing, class Hand>
 TALUS_INLINE void add_in_lines(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, Node* window,
-                               Hand hand) {
+                               HandNothing hand_nothing, Hand hand) {
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge, n_rows = power(n, Dim - 1);
   if (points.size() == 0) return;
   struct Sums {
@@ -432,10 +434,15 @@ TALUS_INLINE void add_in_lines(const TilePoints<Dim, Shape>& points, const Domai
       } while (p < count && h.first[p] == first);
     }
   };
-  for (int begin = 0; begin < points.size(); begin += 8 * at_once) {
-    const int count = std::min(points.size() - begin, 8 * at_once);
-    for (int k = 0; 8 * k < count; ++k) prepare(begin + 8 * k, handed[k]);
-    for (int k = 0; 8 * k < count; ++k) add(handed[k], std::min(count - 8 * k, 8));
+  int counts[at_once];  // of the particles in `handed`
+  for (int begin = 0; begin < points.size();) {
+    int n_handed = 0;
+    for (; n_handed < at_once && begin < points.size(); begin += 8) {
+      if (hand_nothing(begin)) continue;
+      counts[n_handed] = std::min(points.size() - begin, 8);
+      prepare(begin, handed[n_handed++]);
+    }
+    for (int k = 0; k < n_handed; ++k) add(handed[k], counts[k]);
   }
   put_back();
 }
@@ -483,7 +490,8 @@ TALUS_FLATTEN void add_mass_and_momentum_in_lines(const TilePoints<Dim, Shape>& 
       }
     });
   };
-  detail::add_in_lines<false>(points, domain, window, hand);
+  detail::add_in_lines<false>(
+      points, domain, window, [](int) { return false; }, hand);
 }
 
 /// Forces; see force.hpp.
@@ -533,7 +541,8 @@ TALUS_FLATTEN void add_forces_in_lines(const TilePoints<Dim, Shape>& points, con
       }
     });
   };
-  detail::add_in_lines<true>(points, domain, window, hand);
+  detail::add_in_lines<true>(
+      points, domain, window, [&](int i) { return give_no_force<Octet>(s, i); }, hand);
 }
 
 }  // namespace talus
