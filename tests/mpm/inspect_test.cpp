@@ -30,9 +30,10 @@ Body<2> pair() {
 TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
   Body<2> body = pair();
   std::swap(body.particles.id()[0], body.particles.id()[1]);
+  const auto loop = make_openmp(2);
   Observation seen;
-  observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), seen);
-  gather(*make_serial(), seen);
+  observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), *loop, seen);
+  gather(*loop, seen);
   EXPECT_EQ(seen.fields[0].name, "position");
   EXPECT_EQ(seen.find("position")->values, (std::vector<double>{3, 4, 0, 1, 2, 0}));
   EXPECT_EQ(seen.find("velocity")->values, (std::vector<double>{6, 0, 0, 5, 0, 0}));
@@ -49,12 +50,13 @@ TEST(Inspect, WhatABodyDoesNotHaveIsNotANumber) {
   set_state<Granular>(sand.particles, 0, isotropic_state(case_1(), 0, 0.8));
   sand.particles.id()[0] = 2;
   const std::vector<SymTensor<double>> still(2, SymTensor<double>::zero());
+  const auto loop = make_serial();
   for (const bool sand_first : {false, true}) {
     Observation seen;
-    if (sand_first) observe_body(sand, 0, still, seen);
-    observe_body(pair(), 1, still, seen);
-    if (!sand_first) observe_body(sand, 0, still, seen);
-    gather(*make_serial(), seen);
+    if (sand_first) observe_body(sand, 0, still, *loop, seen);
+    observe_body(pair(), 1, still, *loop, seen);
+    if (!sand_first) observe_body(sand, 0, still, *loop, seen);
+    gather(*loop, seen);
     ASSERT_EQ(seen.n_particles(), 3);
     const std::vector<double>& ratio = seen.find("void_ratio")->values;
     ASSERT_EQ(ratio.size(), 3u);

@@ -442,7 +442,7 @@ double speed_at_rest(int dim, double cfl) {
 TEST_P(InBothDimensions, SandAtRestIsAsCalmWithTwiceTheLongestStepsByDefaultAsWithShortOnes) {
   const double by_default = default_cfl(column_at_rest(GetParam(), WallKind::no_slip)).value;
   const double calm = speed_at_rest(GetParam(), 0.45);
-  EXPECT_LT(calm, 2e-3 * std::sqrt(10) * std::sqrt(2));  // as above, in cells with half as many particles along an axis
+  EXPECT_LT(calm, 0.005 * std::sqrt(2 * g * 0.5));  // of what falls over its height
   EXPECT_NEAR(speed_at_rest(GetParam(), by_default), calm, 0.1 * calm);
   EXPECT_NEAR(speed_at_rest(GetParam(), 2 * by_default), calm, 0.1 * calm);
   EXPECT_GT(speed_at_rest(GetParam(), 3), 5 * calm);

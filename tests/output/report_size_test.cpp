@@ -53,4 +53,12 @@ TEST_F(ReportSizes, AFullReportHasAllPictures) {
   EXPECT_EQ(text.find("The page shows"), std::string::npos);
 }
 
+TEST_F(ReportSizes, OfARunThatSplitAndMergedParticlesSaysHowMany) {
+  EXPECT_EQ(page().find(" merged</td>"), std::string::npos);
+  run_.n_particles = 1000;
+  run_.ledger.n_split = 70;
+  run_.ledger.n_merged = 3;
+  EXPECT_NE(page().find("<td>1000 at the start, 70 split, 3 merged</td>"), std::string::npos);
+}
+
 }  // namespace talus::report_size_test

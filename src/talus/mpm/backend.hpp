@@ -78,6 +78,16 @@ class Backend {
   std::vector<Message> under_way_;
 };
 
+/// Calls f(i) for every i in [0, n); each worker has a stretch of them.
+template <class F>
+void for_each_of(Backend& backend, std::size_t n, F f) {
+  const std::size_t n_parts = std::size_t(backend.n_workers());
+  backend.for_each(int(n_parts), [&](int part, int) {
+    const std::size_t end = n * (std::size_t(part) + 1) / n_parts;
+    for (std::size_t i = n * std::size_t(part) / n_parts; i < end; ++i) f(i);
+  });
+}
+
 /// Of whole numbers, whose sum does not depend on who has which.
 inline long sum_over_owners(Backend& backend, long mine) {
   long sum = 0;

@@ -26,8 +26,8 @@ double ancestor_of(const Particles<Dim>& p, int i) {
 }  // namespace
 
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen,
-                  const std::vector<std::string>& fields) {
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Backend& backend,
+                  Observation& seen, const std::vector<std::string>& fields) {
   const Particles<Dim>& p = body.particles;
   const std::size_t first = seen.fields.empty() ? 0 : seen.find("id")->values.size(),
                     last = first + std::size_t(p.size());
@@ -44,7 +44,8 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
     }
     const std::size_t n = std::size_t(q.components);
     field->values.resize(last * n, unknown);  // other bodies may not have it
-    for (int i = 0; i < p.size(); ++i) evaluate(i, &field->values[(first + std::size_t(i)) * n]);
+    double* values = field->values.data() + first * n;
+    for_each_of(backend, std::size_t(p.size()), [&](std::size_t i) { evaluate(int(i), values + i * n); });
   };
   put(place, [&](int i, double* v) {
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.position(a)[i] : 0;
@@ -339,9 +340,9 @@ FastestWave fastest_wave(const Body<Dim>& body, const Integration& how) {
   return {std::sqrt(fastest2), fastest};
 }
 
-template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, Observation&,
+template void observe_body(const Body<2>&, int, const std::vector<SymTensor<double>>&, Backend&, Observation&,
                            const std::vector<std::string>&);
-template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Observation&,
+template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Backend&, Observation&,
                            const std::vector<std::string>&);
 template void put_places_of(const Body<2>&, RowRange, bool, double*);
 template void put_places_of(const Body<3>&, RowRange, bool, double*);

@@ -33,8 +33,8 @@ class RowsOfIds {
 /// Appends a body's particles to an observation. `rates` holds their strain rates, in the order of the particles. `fields`:
 /// names of fields beside the position and the id; all if empty.
 template <int Dim>
-void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Observation& seen,
-                  const std::vector<std::string>& fields = {});
+void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor<double>>& rates, Backend& backend,
+                  Observation& seen, const std::vector<std::string>& fields = {});
 
 /// Divides what all owners have seen of their particles into consecutive parts in the order of ids.
 ObservedPart share_out(Backend& backend, Observation own);

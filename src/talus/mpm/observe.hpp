@@ -41,7 +41,7 @@ Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken, c
     const auto rates =
         broken ? std::vector<SymTensor<double>>(std::size_t(body.particles.size()), SymTensor<double>::zero())
                : strain_rates(m, body);
-    observe_body<Dim>(body, number++, rates, seen, fields);
+    observe_body<Dim>(body, number++, rates, m.backend, seen, fields);
   }
   return seen;
 }
@@ -103,17 +103,15 @@ ParticlePlaces places_of(const Model<Dim, Shape>& m) {
     rows_of_body += std::size_t(m.bodies[b].particles.size()) * place_row;
   }
   const GatheredRows rows(m.backend, std::move(mine), place_row);
-  ParticlePlaces all;
-  all.places.reserve(rows.size());
-  all.sizes.reserve(rows.size());
-  all.masses.reserve(rows.size());
-  all.ancestors.reserve(rows.size());
-  for (const double* row : rows) {
-    all.places.push_back({row[1], row[2], row[3]});
-    all.sizes.push_back(row[4]);
-    all.masses.push_back(row[5]);
-    all.ancestors.push_back(long(row[6]));
-  }
+  const std::size_t n = rows.size();
+  ParticlePlaces all{std::vector<Vec<3>>(n), std::vector<double>(n), std::vector<double>(n), std::vector<long>(n)};
+  for_each_of(m.backend, n, [&](std::size_t i) {
+    const double* row = rows.begin()[long(i)];
+    all.places[i] = {row[1], row[2], row[3]};
+    all.sizes[i] = row[4];
+    all.masses[i] = row[5];
+    all.ancestors[i] = long(row[6]);
+  });
   return all;
 }
 

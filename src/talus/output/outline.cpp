@@ -27,8 +27,9 @@ struct Reach {
 /// of a particle. Particles of a failed run that have no finite place do not count.
 std::pair<double, double> connected_range(const std::vector<Reach>& particles, double width) {
   const auto counts = [&](const Reach& p) { return std::abs(p.centre) < 1e9 * width; };
+  const double per_width = 1 / width;
   const auto strip_of = [&](double x) {  // std::floor takes longer
-    const double share = x / width;
+    const double share = x * per_width;
     const long towards_zero = long(share);
     return towards_zero - (share < double(towards_zero));
   };
@@ -65,10 +66,10 @@ std::pair<double, double> connected_range(const std::vector<Reach>& particles, d
   long low = median->first, high = low;
   while (holds_material(low - 1)) --low;
   while (holds_material(high + 1)) ++high;
+  const double begin = double(low) * width, end = double(high + 1) * width;
   double least = std::numeric_limits<double>::infinity(), most = -least;
   for (const Reach& p : particles) {
-    if (!counts(p)) continue;
-    if (const long strip = strip_of(p.centre); strip < low || strip > high) continue;
+    if (!(p.centre >= begin && p.centre < end)) continue;
     least = std::min(least, p.centre - p.half);
     most = std::max(most, p.centre + p.half);
   }

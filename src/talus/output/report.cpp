@@ -363,6 +363,8 @@ std::string record_section(const RunSummary& run) {
                    double(run.n_particles) * double(run.ledger.step) / std::max(run.cpu_seconds, 1e-9)));
   fact("memory of particles and grid",
        fmt::format("{:.0f} bytes per particle", double(run.bytes) / double(std::max(1L, run.n_particles))));
+  if (const Ledger& l = run.ledger; l.n_split + l.n_merged > 0)
+    fact("particles", fmt::format("{} at the start, {} split, {} merged", run.n_particles, l.n_split, l.n_merged));
   if (const std::size_t n = run.resumed_at.size(); n > 0)
     fact("stopped and resumed",
          fmt::format("{} time{}, from t = {:.6g} s", n, n == 1 ? "" : "s", fmt::join(run.resumed_at, " s, ")));
