@@ -70,8 +70,9 @@ bool stiffens_from_nothing(const Material& material) {
 
 }  // namespace
 
-/// A particle that is alone has no stress, so where stiffness vanishes with it, it bounds no step. Cells that are full, in
-/// any order, are stable below 1.06 with quadratic splines and bulk viscosity (docs/performance.md).
+/// A particle that is alone has no stress, so where stiffness vanishes with it, it bounds no step. Cells with two particles
+/// along each axis, in a lattice or at random, are stable below 1.06 with quadratic splines and bulk viscosity
+/// (docs/performance.md).
 Default default_cfl(const Case& case_) {
   const std::vector<Material>& materials = case_.materials;
   if (case_.numerics.shape_function == ShapeFunction::quadratic && !materials.empty() &&
