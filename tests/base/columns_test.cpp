@@ -31,8 +31,8 @@ TEST(Columns, ATableThatKeepsGrowingRarelyNeedsNewMemory) {
     table.resize(n);
     n_times += table.column(0) != before;
   }
-  EXPECT_LE(n_times, 12) << "log(2)/log(17/16) = 11.4";
-  EXPECT_LE(table.bytes(), 2 * 2000 * sizeof(double) * 17 / 16);
+  EXPECT_LE(n_times, 45) << "log(2)/log(65/64) = 44.7";
+  EXPECT_LE(table.bytes(), 2 * 2000 * sizeof(double) * 65 / 64);
 }
 
 TEST(Columns, ATableThatShrinksGivesBackItsMemoryOnceItNeedsLessThanHalf) {

@@ -4,6 +4,7 @@
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 #include "talus/mpm/arrangement.hpp"
+#include "talus/mpm/refinement.hpp"
 
 namespace talus {
 
@@ -26,8 +27,7 @@ Body<2> small_body(const std::vector<Vec<2>>& places, const Numerics& n = pure_f
     set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
   if (p.memory().extent)
     for (int i = 0; i < p.size(); ++i) {
-      p.extent(0)[i] = p.extent(1)[i] = 1;
-      p.extent(2)[i] = 0;
+      set_extent(p, i, SymTensor<double>::isotropic(1));
       p.ancestor()[i] = i;
     }
   return {"body", 1, law, std::move(p), {}};

@@ -126,15 +126,15 @@ TEST(Step, PutsNothingInOrderWhereNodesGoFarButNoParticleDoes) {
   EXPECT_NEAR(s.ledger().kinetic, 0, 1e-25);
 }
 
-TEST(Step, FiltersVelocitiesSixteenTimesInTau) {
-  // tau = 2 s in steps of 1/16 s: two steps make an eighth of a second, so every third step begins with a filter.
-  OneParticle run(1.0 / 16);
+TEST(Step, FiltersVelocitiesEightTimesInTau) {
+  // tau = 2 s in steps of 1/8 s: two steps make a quarter of a second, so every third step begins with a filter.
+  OneParticle run(1.0 / 8);
   run.numerics.transfer = Transfer::affine_tau;
   run.numerics.tau = 2;
   Simulation& s = run.start();
   for (const double unfiltered : {1, 2, 1, 2, 1}) {
     s.step();
-    EXPECT_EQ(run.carried().unfiltered, unfiltered / 16);
+    EXPECT_EQ(run.carried().unfiltered, unfiltered / 8);
   }
 }
 

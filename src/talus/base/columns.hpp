@@ -33,10 +33,10 @@ class Columns {
   std::size_t bytes() const { return data_.size() * std::size_t(n_that_fit_) * sizeof(double); }
 
   /// Changes the number of rows. Existing rows keep their values; new rows are zero. A table that grows again and again takes
-  /// a sixteenth more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
+  /// a 64th more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
   void resize(int n) {
     if (!keeps_memory_with(n)) {
-      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 16, std::numeric_limits<int>::max() - n);
+      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 64, std::numeric_limits<int>::max() - n);
       for (std::size_t c = 0; c < data_.size(); ++c) {
         Storage other = allocate(n_that_fit_);
         std::copy(data_[c].get(), data_[c].get() + std::min(size_, n), other.get());

@@ -194,6 +194,10 @@ struct Model {
   }
   /// Whether tiles may be left out of steps. All owners agree, while one without tiles has no `rests`.
   bool lets_ground_rest() const { return numerics.rest_tolerance > 0; }
+  /// Whether a stage reads the velocities that nodes have at the end of the step: particles find their own from accelerations.
+  bool keeps_new_velocities() const {
+    return numerics.order == Order::musl || is_affine(numerics.transfer) || lets_ground_rest();
+  }
   /// Whether a tile is left out of steps because its material rests.
   bool is_left_out(int t) const { return !rests.empty() && rests[std::size_t(t)].is_left_out(); }
   /// Makes room for the velocities that particles interpolate from the nodes; what windows hold is lost.
@@ -225,14 +229,21 @@ struct Model {
     auto& list = contacts[std::size_t(t)];
     return {list.data(), int(list.size())};
   }
-  /// Nodal sums = what all windows hold, images included; of all tiles held, or of those whose nodes this owner needs.
-  template <class Nodes, class Windows>
-  void add_windows(Windows& windows, Nodes& nodes, bool of_all) {
+  /// Nodal sums = what all windows hold, images included; of all tiles held, or of those whose nodes this owner needs. Then
+  /// f(tile, sums) for every tile whose nodes it needs: away from walls at once, as long as they are in the cache. Returns
+  /// the sums.
+  template <class Windows, class Nodes, class F>
+  SumsByTile over_nodes(Windows& windows, Nodes& nodes, bool of_all, F f) {
     finish_exchange(backend, halo, windows);
+    SumsByTile sums(std::size_t(grid.n_tiles()));
     backend.for_each(shares, [&](int t, int) {
-      if (of_all || needs_nodes(t)) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
+      const bool needs = needs_nodes(t);
+      if (of_all || needs) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
+      if (needs && !walls->near_wall(t)) f(t, sums[std::size_t(t)]);
     });
     walls->fold(backend, nodes.data());
+    walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });
+    return sums;
   }
   template <class Nodes>
   auto window_of(int t, const Nodes& nodes, typename Nodes::Value* window) const {

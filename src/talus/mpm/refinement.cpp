@@ -1,6 +1,8 @@
 #include "talus/mpm/refinement.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 
@@ -136,17 +138,35 @@ double most_in_cell_of(double spacing, double h) {
   return std::max(4 * std::pow(h / spacing, Dim), double(power(4, Dim)));
 }
 
+namespace {
+
+/// The components of a box's squared edges that particles keep.
+template <int Dim>
+constexpr auto extent_components() {
+  if constexpr (Dim == 2)
+    return std::array{0, 1, 3};
+  else
+    return std::array{0, 1, 2, 3, 4, 5};
+}
+
+}  // namespace
+
 template <int Dim>
 SymTensor<double> extent_of(const Particles<Dim>& p, int i) {
-  if constexpr (Dim == 2) return {p.extent(0)[i], p.extent(1)[i], 0, p.extent(2)[i], 0, 0};
-  SymTensor<double> S;
-  for (int c = 0; c < 6; ++c) S[c] = p.extent(c)[i];
+  constexpr auto components = extent_components<Dim>();
+  SymTensor<double> S = SymTensor<double>::zero();
+  for (std::size_t c = 0; c < components.size(); ++c)
+    S[components[c]] = std::bit_cast<std::array<float, 2>>(p.extent(int(c / 2))[i])[c % 2];
   return S;
 }
 template <int Dim>
 void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S) {
-  constexpr int components[] = {0, 1, Dim == 2 ? 3 : 2, 3, 4, 5};
-  for (int c = 0; c < Dim * (Dim + 1) / 2; ++c) p.extent(c)[i] = S[components[c]];
+  constexpr auto components = extent_components<Dim>();
+  for (std::size_t c = 0; c < components.size(); c += 2) {
+    const std::array<float, 2> two{float(S[components[c]]),
+                                   c + 1 < components.size() ? float(S[components[c + 1]]) : 0.0f};
+    p.extent(int(c / 2))[i] = std::bit_cast<double>(two);
+  }
 }
 
 SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest) {

@@ -76,7 +76,7 @@ class Stepper final : public Simulation {
   long n_particles() const override { return model_.n_particles; }
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = model_.grid.bytes() + filter_.bytes() + refinement_.bytes();
+    std::size_t b = model_.grid.bytes() + refinement_.bytes();
     for (const auto& body : model_.bodies) b += body.particles.columns().bytes();
     for (const TileRest& rest : model_.rests) b += rest.bytes();
     return b;
@@ -278,8 +278,8 @@ class Stepper final : public Simulation {
   static constexpr double reach_of_windows = 0.5;
   /// Particles go half a cell at most before they are looked at again.
   static constexpr double rearranged_per_refinement = 4;
-  /// Often enough that a filter takes little at a time, seldom enough to cost little.
-  static constexpr double filters_per_tau = 16;
+  /// Results are the same from 3 to 64, in the scatter of the fronts (docs/numerics.md, Transfers).
+  static constexpr double filters_per_tau = 8;
 
   Model<Dim, Shape> model_;
   VelocityFilter<Dim, Shape> filter_;

@@ -1,6 +1,7 @@
 #pragma once
 /// Walls of the domain, for all tiles of the grid. Kernels for the nodes of a tile are in kernel/wall.hpp.
 
+#include <algorithm>
 #include <vector>
 
 #include "talus/mpm/backend.hpp"
@@ -13,27 +14,41 @@ template <int Dim>
 class Walls {
  public:
   Walls(const Domain<Dim>& domain, const std::vector<Tile<Dim>>& tiles) : mirrors_(domain) {
-    near_wall_.assign(tiles.size(), false);
+    near_wall_.assign(tiles.size(), -1);
     for (int k = 0; k < mirrors_.n; ++k) {
       const Mirror& m = mirrors_.mirrors[std::size_t(k)];
       for (int t = 0; t < int(tiles.size()); ++t) {
         const auto note = [&](int node, std::vector<int>& held) {
           if (!holds(tiles[std::size_t(t)], m.axis, node)) return;
           held.push_back(t);
-          near_wall_[std::size_t(t)] = true;
+          near_wall_[std::size_t(t)] = 0;
         };
         note(m.original, tiles_with_[k].originals);
         note(m.wall, tiles_with_[k].walls);
         note(m.image, tiles_with_[k].images);
       }
     }
+    for (int t = 0; t < int(tiles.size()); ++t)
+      if (near_wall(t)) {
+        near_wall_[std::size_t(t)] = int(near_walls_.size());
+        near_walls_.push_back(t);
+      }
   }
 
   /// Sets new tiles.
   void rest_on(const Tile<Dim>* tiles) { tiles_ = tiles; }
   const Mirrors<Dim>& mirrors() const { return mirrors_; }
   /// Whether a tile has nodes on, behind or beside walls.
-  bool near_wall(int t) const { return near_wall_[std::size_t(t)]; }
+  bool near_wall(int t) const { return near_wall_[std::size_t(t)] >= 0; }
+  /// How many tiles have such nodes, and which of them one is.
+  int n_near_walls() const { return int(near_walls_.size()); }
+  int number_near_walls(int t) const { return near_wall_[std::size_t(t)]; }
+
+  /// Calls f(t) for the tiles with nodes on, behind or beside walls.
+  template <class F>
+  void for_each_tile(Backend& backend, F f) const {
+    on(backend, near_walls_, f);
+  }
 
   /// Adds the sums at images to their originals.
   template <class Node>
@@ -76,19 +91,26 @@ class Walls {
     std::vector<int> originals, walls, images;
   };
 
+  /// So many tiles take one thread less time than it takes all to meet.
+  static constexpr std::size_t few_tiles = 32;
+
   template <class F>
   void for_each_mirror(F f) const {
     for (int k = 0; k < mirrors_.n; ++k) f(mirrors_.mirrors[std::size_t(k)], tiles_with_[k]);
   }
   template <class F>
   static void on(Backend& backend, const std::vector<int>& tiles, F f) {
-    backend.for_each(int(tiles.size()), [&](int i, int) { f(tiles[std::size_t(i)]); });
+    if (tiles.size() <= few_tiles)
+      for (const int t : tiles) f(t);
+    else
+      backend.for_each(int(tiles.size()), [&](int i, int) { f(tiles[std::size_t(i)]); });
   }
 
   Mirrors<Dim> mirrors_;
   const Tile<Dim>* tiles_ = nullptr;
   Held tiles_with_[2 * Dim];
-  std::vector<char> near_wall_;
+  std::vector<int> near_wall_;   ///< of every tile, its number in the following, or -1
+  std::vector<int> near_walls_;  ///< tiles
 };
 
 }  // namespace talus

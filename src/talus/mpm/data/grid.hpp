@@ -102,12 +102,12 @@ class TileArrayView {
 /// Memory without values, for arrays that are in use at different times.
 class Room {
  public:
-  /// Makes the room at least so large [bytes]; what was in it is lost if it was smaller. A sixteenth more is taken, so that
+  /// Makes the room at least so large [bytes]; what was in it is lost if it was smaller. A 32nd more is taken, so that
   /// a slowly growing grid rarely needs new memory.
   void enlarge(std::size_t bytes) {
     if (bytes <= bytes_) return;
     constexpr std::size_t line = 64;
-    bytes_ = (bytes + bytes / 16 + line - 1) / line * line;
+    bytes_ = (bytes + bytes / 32 + line - 1) / line * line;
     memory_.reset();
     memory_.reset(std::aligned_alloc(line, bytes_));
     if (!memory_) throw std::bad_alloc();
@@ -135,6 +135,7 @@ class Room {
 /// | windows | particles give momentum | nodes have added it up | momentum |
 /// | windows | stresses are updated | nodes have added up forces | forces |
 /// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
+/// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls |
 /// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |
 /// | nodes, first quarter | momentum is added up | stresses are updated | momentum |
 /// | nodes, first quarter | forces are added up | particles have moved | forces |
@@ -154,7 +155,7 @@ class Grid {
   Nodes<ForceStiffness> force;       ///< f_I of stress and loads, in the place of `momentum`
   Nodes<MassVelocity> velocity;      ///< v_I at the start of the step
   Nodes<Acceleration> acceleration;  ///< a_I
-  Nodes<MassVelocity> new_velocity;  ///< v_I at the end of the step
+  Nodes<MassVelocity> new_velocity;  ///< v_I at the end of the step, where a stage needs it
   Windows<MassMomentum> momentum_windows;
   Windows<ForceStiffness> force_windows;  ///< in the place of `momentum_windows`
 

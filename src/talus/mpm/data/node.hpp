@@ -77,6 +77,44 @@ TALUS_HD void copy_node(const Node& from, Node& to) {
   to = from;
 }
 
+/// The numbers of eight nodes, each in an octet; and back.
+template <NodeOfFour Node>
+TALUS_INLINE TALUS_HD void load_nodes(const Node* nodes, Octet (&numbers)[4]) {
+  if constexpr (eight_in_a_register) {
+    for (int k = 0; k < 4; ++k) numbers[k] = load<Octet>(reinterpret_cast<const double*>(nodes + 2 * k));
+    from_fours(numbers[0].lanes, numbers[1].lanes, numbers[2].lanes, numbers[3].lanes);
+  } else {
+    Quad first[4], last[4];
+    for (int k = 0; k < 4; ++k) {
+      first[k] = load_node(nodes[k]);
+      last[k] = load_node(nodes[4 + k]);
+    }
+    transpose(first);
+    transpose(last);
+    for (int k = 0; k < 4; ++k) numbers[k] = octet_of(first[k], last[k]);
+  }
+}
+template <NodeOfFour Node>
+TALUS_INLINE TALUS_HD void store_nodes(Node* nodes, const Octet (&numbers)[4]) {
+  if constexpr (eight_in_a_register) {
+    Octet two[4] = {numbers[0], numbers[1], numbers[2], numbers[3]};
+    to_fours(two[0].lanes, two[1].lanes, two[2].lanes, two[3].lanes);
+    for (int k = 0; k < 4; ++k) store(reinterpret_cast<double*>(nodes + 2 * k), two[k]);
+  } else {
+    Quad first[4], last[4];
+    for (int k = 0; k < 4; ++k) {
+      first[k] = Quad(low_half(numbers[k].lanes));
+      last[k] = Quad(high_half(numbers[k].lanes));
+    }
+    transpose(first);
+    transpose(last);
+    for (int k = 0; k < 4; ++k) {
+      store_node(nodes[k], first[k]);
+      store_node(nodes[4 + k], last[k]);
+    }
+  }
+}
+
 /// Nodes with one number are loaded as a double.
 TALUS_HD inline double load_node(double node) { return node; }
 TALUS_HD inline void store_node(double& node, double value) { node = value; }

@@ -64,8 +64,8 @@ inline constexpr ParticleFieldInfo particle_fields[] = {
      [](int dim, const ParticleMemory& m) { return m.gradient ? dim * dim : 0; }},
     {"loaded_area", "[m2] of each loaded side, at the start", [](int, const ParticleMemory& m) { return m.loads; }},
     {"wave_modulus", "volume times K + 4/3 G [J]", [](int, const ParticleMemory& m) { return m.modulus ? 1 : 0; }},
-    {"extent", "squared edges of the material it stands for [m2]: xx, yy(, zz), xy(, yz, zx)",
-     [](int dim, const ParticleMemory& m) { return m.extent ? dim * (dim + 1) / 2 : 0; }},
+    {"extent", "squared edges of the material it stands for [m2]: xx, yy(, zz), xy(, yz, zx), two floats in a number",
+     [](int dim, const ParticleMemory& m) { return m.extent ? (dim * (dim + 1) / 2 + 1) / 2 : 0; }},
     {"ancestor", "id of the particle of the start that it, or the larger part of it, was split from",
      [](int, const ParticleMemory& m) { return m.extent ? 1 : 0; }},
 };
@@ -107,7 +107,7 @@ struct ParticlesView {
   /// Area of the loaded side that the particle represents, for each load of the body.
   TALUS_HD double* loaded_area(int load) const { return column(ParticleField::loaded_area, load); }
   TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
-  TALUS_HD double* extent(int component) const { return column(ParticleField::extent, component); }
+  TALUS_HD double* extent(int pair) const { return column(ParticleField::extent, pair); }
   TALUS_HD double* ancestor() const { return column(ParticleField::ancestor); }
 
   /// Positions of `count` particles from `first` on, at most four [m], one pack for each axis.
@@ -161,8 +161,8 @@ class Particles {
   const double* loaded_area(int load) const { return view().loaded_area(load); }
   double* wave_modulus() { return view().wave_modulus(); }
   const double* wave_modulus() const { return view().wave_modulus(); }
-  double* extent(int component) { return view().extent(component); }
-  const double* extent(int component) const { return view().extent(component); }
+  double* extent(int pair) { return view().extent(pair); }
+  const double* extent(int pair) const { return view().extent(pair); }
   double* ancestor() { return view().ancestor(); }
   const double* ancestor() const { return view().ancestor(); }
 

@@ -54,36 +54,44 @@ TALUS_FLATTEN TALUS_HD void add_forces(const TilePoints<Dim, Shape>& points, con
 /// and gravity on the nodes, their kinetic energy and speeds. Waves travel at the speed of what is around a node: one
 /// stiff particle among many does not make them faster.
 template <int Dim>
-TALUS_HD void accelerate(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, double least_mass,
-                         double dt, Quad gravity, const ForceStiffness* force, const MassVelocity* velocity,
-                         Acceleration* acceleration, MassVelocity* new_velocity, TileSums& sums) {
-  double grid_work = 0, gravity_work = 0, kinetic = 0, wave_speed2 = 0, node_speed2 = 0;
-  for_each_node(tile, walls, near_wall, [&](int i, Quad allowed, bool counts) {
-    const double mass = velocity[i].mass;
-    if (!(mass > least_mass)) {
-      new_velocity[i] = {};
-      acceleration[i] = {};
-      return;
+TALUS_FLATTEN TALUS_HD void accelerate(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
+                                       double least_mass, double dt, Quad gravity, const ForceStiffness* force,
+                                       const MassVelocity* velocity, Acceleration* acceleration,
+                                       MassVelocity* new_velocity, TileSums& sums) {
+  const Octet zero(0.0), one(1.0), half_dt(0.5 * dt);
+  Octet grid_work(0.0), gravity_work(0.0), kinetic(0.0), wave_speed2(0.0), node_speed2(0.0);
+  for_each_eight_nodes(tile, walls, near_wall, [&](int i, const auto& at_walls) {
+    Octet f[4], v[4], a[4], v_new[4];
+    load_nodes(force + i, f);
+    load_nodes(velocity + i, v);
+    const Octet mass = v[3], stiffness = f[3];
+    const auto has_mass = mass > Octet(least_mass);
+    const Octet per_mass = one / select(has_mass, mass, one);
+    Octet work(0.0), by_gravity(0.0), speed2(0.0);
+    for (int c = 0; c < 3; ++c) {
+      a[c] = select(has_mass, at_walls.allowed(c, per_mass * f[c] + Octet(gravity[c])), zero);
+      v_new[c] = select(has_mass, v[c] + Octet(dt) * a[c], zero);
+      const Octet twice_mean = v[c] + v_new[c];
+      work += f[c] * twice_mean;
+      by_gravity += Octet(gravity[c]) * twice_mean;
+      speed2 += v_new[c] * v_new[c];
     }
-    const double stiffness = force[i].stiffness;
-    Quad f = load_node(force[i]);
-    f.set(3, 0);
-    const Quad a = allowed * (Quad(1 / mass) * f + gravity), v = load_node(velocity[i]), v_new = v + Quad(dt) * a;
-    store_node(acceleration[i], a);
-    store_node(new_velocity[i], v_new);
-    if (!counts) return;
-    wave_speed2 = max(wave_speed2, stiffness / mass);
-    grid_work -= 0.5 * dt * dot3(f, v + v_new);
-    gravity_work += 0.5 * dt * mass * dot3(gravity, v + v_new);
-    const double speed2 = norm2(v_new);
-    kinetic += 0.5 * mass * speed2;
-    node_speed2 = max(node_speed2, speed2);
+    a[3] = zero;
+    v_new[3] = select(has_mass, mass, zero);
+    store_nodes(acceleration + i, a);
+    store_nodes(new_velocity + i, v_new);
+    const auto counted = [&](Octet x) { return select(has_mass, at_walls.counted(x), zero); };
+    grid_work -= counted(half_dt * work);
+    gravity_work += counted(half_dt * mass * by_gravity);
+    kinetic += counted(Octet(0.5) * mass * speed2);
+    wave_speed2 = max(wave_speed2, counted(per_mass * stiffness));
+    node_speed2 = max(node_speed2, counted(speed2));
   });
-  sums[Sum::grid_work] += grid_work;
-  sums[Sum::gravity_work] += gravity_work;
-  sums[Sum::new_kinetic] += kinetic;
-  sums.raise(Most::wave_speed2, wave_speed2);
-  sums.raise(Most::node_speed2, node_speed2);
+  sums[Sum::grid_work] += sum_of(grid_work);
+  sums[Sum::gravity_work] += sum_of(gravity_work);
+  sums[Sum::new_kinetic] += sum_of(kinetic);
+  sums.raise(Most::wave_speed2, largest_of(wave_speed2));
+  sums.raise(Most::node_speed2, largest_of(node_speed2));
 }
 
 }  // namespace talus

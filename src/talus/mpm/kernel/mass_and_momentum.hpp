@@ -60,17 +60,26 @@ TALUS_HD void add_affine_momentum(const TilePoints<Dim, Shape>& points, const Do
 /// The velocities of a tile's nodes, zero where there is less than the least mass, and their kinetic energy
 /// (`held_kinetic`; images behind walls do not count).
 template <int Dim>
-TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, double least_mass,
-                              const MassMomentum* momentum, MassVelocity* velocity, TileSums& sums) {
-  double kinetic = 0;
-  for_each_node(tile, walls, near_wall, [&](int i, Quad allowed, bool counts) {
-    const double mass = momentum[i].mass;
-    Quad v = mass > least_mass ? allowed * (Quad(1 / mass) * load_node(momentum[i])) : Quad(0.0);
-    v.set(3, mass);
-    store_node(velocity[i], v);
-    if (counts) kinetic += 0.5 * mass * norm2(v);
+TALUS_FLATTEN TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
+                                            double least_mass, const MassMomentum* momentum, MassVelocity* velocity,
+                                            TileSums& sums) {
+  const Octet zero(0.0);
+  Octet kinetic(0.0);
+  for_each_eight_nodes(tile, walls, near_wall, [&](int i, const auto& at_walls) {
+    Octet v[4];
+    load_nodes(momentum + i, v);
+    const Octet mass = v[3];
+    const auto has_mass = mass > Octet(least_mass);
+    const Octet per_mass = Octet(1.0) / select(has_mass, mass, Octet(1.0));
+    Octet speed2(0.0);
+    for (int a = 0; a < 3; ++a) {
+      v[a] = select(has_mass, at_walls.allowed(a, per_mass * v[a]), zero);
+      speed2 += v[a] * v[a];
+    }
+    store_nodes(velocity + i, v);
+    kinetic += at_walls.counted(Octet(0.5) * mass * speed2);
   });
-  sums[Sum::held_kinetic] += kinetic;
+  sums[Sum::held_kinetic] += sum_of(kinetic);
 }
 
 /// What the particles of a tile hold, added over bodies eight by eight.

@@ -62,6 +62,18 @@ struct Mirrors {
     }
     return factors;
   }
+  /// Of a place along an axis: 0 for the components of velocity that walls across it forbid, 1 for the others; and 0 behind
+  /// walls that mirror.
+  TALUS_HD Quad factors_along(int axis, int at) const {
+    Quad factors(1.0);
+    for (const int side : {2 * axis, 2 * axis + 1}) {
+      const int on = side % 2 == 0 ? 0 : n_cells[axis];
+      if (at == on && !walls[side].is_contact()) factors *= wall_factors(walls[side].kind, axis, 0);
+    }
+    for (int k = 0; k < n; ++k)
+      if (mirrors[k].axis == axis && mirrors[k].image == at) factors.set(3, 0);
+    return factors;
+  }
   /// Whether a node lies behind a wall.
   TALUS_HD bool is_image(const TilePlace<Dim>& tile, int node) const {
     const Index<Dim> i = global_node<Dim>(tile, node);
@@ -144,14 +156,58 @@ struct Mirrors {
   TALUS_HD static int side_of(const Mirror& m) { return 2 * m.axis + (m.image > m.wall ? 1 : 0); }
 };
 
-/// Calls f(node, factors a wall leaves of its velocity, whether it counts or is an image) for the nodes of a tile.
+/// What walls mean to eight nodes.
+struct NoWalls {
+  TALUS_INLINE TALUS_HD Octet allowed(int, Octet component) const { return component; }
+  TALUS_INLINE TALUS_HD Octet counted(Octet number) const { return number; }
+};
+struct EightAtWalls {
+  Octet factors[4];  ///< that walls leave of each component of velocity; 0 at images and 1 at nodes that count
+
+  TALUS_INLINE TALUS_HD Octet allowed(int component, Octet x) const { return factors[component] * x; }
+  TALUS_INLINE TALUS_HD Octet counted(Octet number) const {
+    return select(factors[3] == Octet(0.0), Octet(0.0), number);
+  }
+};
+
+/// The same for a tile: products of a factor of the place along each axis.
+template <int Dim>
+struct WallsAtTile {
+  Quad factors[Dim][tile_edge];
+  Octet along_first[4];
+
+  TALUS_INLINE TALUS_HD WallsAtTile(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls) {
+    for (int axis = 0; axis < Dim; ++axis)
+      for (int i = 0; i < tile_edge; ++i) factors[axis][i] = walls.factors_along(axis, tile_edge * tile[axis] + i);
+    static_assert(tile_edge == 4);
+    Quad first[4] = {factors[0][0], factors[0][1], factors[0][2], factors[0][3]};
+    transpose(first);
+    for (int c = 0; c < 4; ++c) along_first[c] = octet_of(first[c], first[c]);
+  }
+  /// From a node on, which begins a row.
+  TALUS_INLINE TALUS_HD EightAtWalls at(int node) const {
+    const Index<Dim> i = unflatten<Dim>(node, tile_edge);
+    Quad row = factors[1][i[1]], next = factors[1][i[1] + 1];
+    if constexpr (Dim == 3) {
+      row *= factors[2][i[2]];
+      next *= factors[2][i[2]];
+    }
+    EightAtWalls at_walls;
+    for (int c = 0; c < 4; ++c) at_walls.factors[c] = along_first[c] * octet_of(Quad(row[c]), Quad(next[c]));
+    return at_walls;
+  }
+};
+
+/// Calls f(first node, what walls mean there) for the nodes of a tile, eight at a time.
 template <int Dim, class F>
-TALUS_HD void for_each_node(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall, F f) {
-  for (int i = 0; i < power(tile_edge, Dim); ++i) {
-    if (near_wall)
-      f(i, walls.allowed(tile, i), !walls.is_image(tile, i));
-    else
-      f(i, Quad(1.0), true);
+TALUS_INLINE TALUS_HD void for_each_eight_nodes(const TilePlace<Dim>& tile, const Mirrors<Dim>& walls, bool near_wall,
+                                                F f) {
+  constexpr int n = power(tile_edge, Dim);
+  if (near_wall) {
+    const WallsAtTile<Dim> at_tile(tile, walls);
+    for (int i = 0; i < n; i += 8) f(i, at_tile.at(i));
+  } else {
+    for (int i = 0; i < n; i += 8) f(i, NoWalls());
   }
 }
 

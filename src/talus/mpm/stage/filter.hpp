@@ -47,8 +47,10 @@ class VelocityFilter {
     });
     m.walls->extend(m.backend, fits_.data());
     const SumsByTile particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
-      sums.add(Sum::wall_impulse, share * gain_of(t));
-      if (m.walls->near_wall(t)) add_gain_of_mirrors(m, t, share);
+      if (m.walls->near_wall(t)) {
+        sums.add(Sum::wall_impulse, share * gain_of(m, t));
+        add_gain_of_mirrors(m, t, share);
+      }
       if (!m.has_particles(t)) return;
       FilterFit<Dim> fits[Layout::n_window];
       for_each_in_window<Dim, Shape>(
@@ -63,13 +65,6 @@ class VelocityFilter {
     return {of_contacts, of_particles};
   }
 
-  /// Bytes held.
-  std::size_t bytes() const {
-    std::size_t b = 0;
-    for (const auto& given : from_particles_) b += given.capacity() * sizeof(MomentumMoments<Dim>);
-    return b;
-  }
-
  private:
   void find_moments(Model<Dim, Shape>& m) {
     moments_ = m.grid.template in_room_of_nodes<FilterMoments<Dim>>();
@@ -77,11 +72,12 @@ class VelocityFilter {
     windows_ = m.grid.template in_room_of_windows<EightMoments>();
     [&]<int... octets>(std::integer_sequence<int, octets...>) { (find_octet<octets>(m), ...); }
     (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
-    from_particles_.assign(std::size_t(m.grid.n_tiles()), {});
-    for (int t = 0; t < m.grid.n_tiles(); ++t)
-      if (m.walls->near_wall(t))
-        from_particles_[std::size_t(t)] =
-            std::vector<MomentumMoments<Dim>>(moments_.of(t), moments_.of(t) + Layout::n_nodes);
+    constexpr std::size_t numbers = sizeof(MomentumMoments<Dim>) / sizeof(double);
+    from_particles_ = reinterpret_cast<MomentumMoments<Dim>*>(
+        m.grid.room_behind_windows(numbers * Layout::n_nodes * std::size_t(m.walls->n_near_walls())));
+    m.walls->for_each_tile(m.backend, [&](int t) {
+      for (int i = 0; i < Layout::n_nodes; ++i) from_particles(m, t)[i] = MomentumMoments<Dim>(moments_.of(t)[i]);
+    });
     m.walls->fold(m.backend, moments_.data());
   }
   /// Eight of the moments of all nodes.
@@ -102,21 +98,24 @@ class VelocityFilter {
         for (int half : {0, 1}) moments_.of(t)[i].quads[2 * octet + half] = sums[i].quads[half];
     });
   }
+  /// The moments of a tile near a wall as particles have made them.
+  MomentumMoments<Dim>* from_particles(const Model<Dim, Shape>& m, int t) const {
+    return from_particles_ + std::size_t(m.walls->number_near_walls(t)) * Layout::n_nodes;
+  }
   /// The momentum that the fits of a tile near a wall have beyond that of the particles they were made from [N s].
-  Vec<3> gain_of(int t) const {
+  Vec<3> gain_of(const Model<Dim, Shape>& m, int t) const {
     Quad gained(0.0);
-    const auto& particles = from_particles_[std::size_t(t)];
-    for (std::size_t i = 0; i < particles.size(); ++i)
-      gained = momentum_gained(particles[i], fits_.of(t)[i].fit, gained);
+    const MomentumMoments<Dim>* particles = from_particles(m, t);
+    for (int i = 0; i < Layout::n_nodes; ++i) gained = momentum_gained(particles[i], fits_.of(t)[i].fit, gained);
     return vector_of(gained);
   }
 
   /// What of it walls that mirror gave, beside contacts, goes to their accounts.
   void add_gain_of_mirrors(Model<Dim, Shape>& m, int t, double share) const {
-    const auto& particles = from_particles_[std::size_t(t)];
+    const MomentumMoments<Dim>* particles = from_particles(m, t);
     Quad gained[Layout::n_nodes];
     for (int i = 0; i < Layout::n_nodes; ++i)
-      gained[i] = Quad(share) * momentum_gained(particles[std::size_t(i)], fits_.of(t)[i].fit, Quad(0.0));
+      gained[i] = Quad(share) * momentum_gained(particles[i], fits_.of(t)[i].fit, Quad(0.0));
     for (const NodeContact& c : m.contacts_of(t)) gained[c.node] -= quad_of(c.impulse);
     Vec<3> of_sides[2 * Dim] = {};
     for (int i = 0; i < Layout::n_nodes; ++i)
@@ -127,7 +126,7 @@ class VelocityFilter {
   typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals
   typename Grid<Dim, Shape>::template Nodes<FitInPlace<Dim>> fits_;
   typename Grid<Dim, Shape>::template Windows<EightMoments> windows_;
-  std::vector<std::vector<MomentumMoments<Dim>>> from_particles_;  ///< of the nodes of tiles near walls
+  MomentumMoments<Dim>* from_particles_ = nullptr;  ///< of the nodes of tiles near walls, behind the windows
 };
 
 }  // namespace talus

@@ -22,12 +22,12 @@ class ParticleRefinement {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Deforms the boxes of particles for `time` [s] with the new velocities of the nodes.
+  /// Deforms the boxes of particles for `time` [s] with the velocities of the nodes.
   void stretch(Model<Dim, Shape>& m, double time) {
     m.backend.for_each(m.shares, [&](int t, int worker) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
       MassVelocity velocity[Layout::n_window];
-      m.window_of(t, m.grid.new_velocity, velocity);
+      m.window_of(t, m.grid.velocity, velocity);
       m.for_each_body(t, [&](auto& body, const auto& points) {
         if (!body.particles.memory().extent) return;
         const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());

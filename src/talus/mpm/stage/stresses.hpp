@@ -171,26 +171,27 @@ void add_heat_of_contacts(Model<Dim, Shape>& m, int t) {
   }
 }
 
-/// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it.
+/// a_I = f_I/m_I + g, v_I+ = v_I + dt a_I, and what walls and contacts allow of it; v_I+ is kept where a stage reads it.
 template <int Dim, class Shape>
 SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
-  m.add_windows(m.grid.force_windows, m.grid.force, false);
   const Quad gravity = m.gravity_at_nodes();
   const double h = m.domain.h, layer = step.dt / (h * h * h);
-  SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
-    if (!m.needs_nodes(t)) return;
+  const bool keeps = m.keeps_new_velocities();
+  SumsByTile sums_by_tile = m.over_nodes(m.grid.force_windows, m.grid.force, false, [&](int t, TileSums& sums) {
     auto& g = m.grid;
     const auto& walls = m.walls->mirrors();
     const Index<Dim>& place = g.tile(t).place;
+    MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
+    MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
     accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
-               g.acceleration.of(t), g.new_velocity.of(t), sums);
+               g.acceleration.of(t), new_velocity, sums);
     if (!m.contact_finder.any()) return;
     rub_on_surfaces(m.contacts_of(t), place, walls, {step.dt, layer}, gravity, g.force.of(t), g.velocity.of(t),
-                    g.new_velocity.of(t), g.acceleration.of(t), sums);
+                    new_velocity, g.acceleration.of(t), sums);
     add_impulses_of_contacts(m, t);
     add_heat_of_contacts(m, t);
   });
-  m.walls->extend(m.backend, m.grid.new_velocity.data());
+  if (keeps) m.walls->extend(m.backend, m.grid.new_velocity.data());
   m.walls->extend(m.backend, m.grid.acceleration.data());
   return sums_by_tile;
 }

@@ -52,22 +52,28 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
 /// just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
 SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
-  const bool needs_mass_around = !m.contact_finder.solids().empty();
-  m.add_windows(m.grid.momentum_windows, m.grid.momentum, needs_mass_around);
-  SumsByTile sums_by_tile = m.over_tiles([&](int t, int, TileSums& sums) {
-    if (!m.needs_nodes(t)) return;
-    const auto& walls = m.walls->mirrors();
-    const bool near_wall = m.walls->near_wall(t);
-    const Index<Dim>& place = m.grid.tile(t).place;
-    find_velocities(place, walls, near_wall, step.least_mass, m.grid.momentum.of(t), m.grid.velocity.of(t), sums);
+  // Contacts with solids look at the mass around them; those with walls of the domain do not.
+  const bool has_solids = !m.contact_finder.solids().empty();
+  const auto meet = [&](int t, TileSums& sums) {
     if (!m.contact_finder.any()) return;
+    const auto& walls = m.walls->mirrors();
     std::vector<NodeContact>& contacts = m.contacts[std::size_t(t)];
     const std::vector<NodeContact> before = filtered ? contacts : std::vector<NodeContact>();
-    m.contact_finder.find(m.grid.tiles(), m.grid.momentum.data(), walls, near_wall, t, step.time, step.least_mass,
-                          contacts);
-    meet_surfaces(m.contacts_of(t), place, walls, 1 - step.kept, m.grid.velocity.of(t), sums);
+    m.contact_finder.find(m.grid.tiles(), m.grid.momentum.data(), walls, m.walls->near_wall(t), t, step.time,
+                          step.least_mass, contacts);
+    meet_surfaces(m.contacts_of(t), m.grid.tile(t).place, walls, 1 - step.kept, m.grid.velocity.of(t), sums);
     for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
-  });
+  };
+  SumsByTile sums_by_tile =
+      m.over_nodes(m.grid.momentum_windows, m.grid.momentum, has_solids, [&](int t, TileSums& sums) {
+        find_velocities(m.grid.tile(t).place, m.walls->mirrors(), m.walls->near_wall(t), step.least_mass,
+                        m.grid.momentum.of(t), m.grid.velocity.of(t), sums);
+        if (!has_solids) meet(t, sums);
+      });
+  if (has_solids)
+    m.backend.for_each(m.shares, [&](int t, int) {
+      if (m.needs_nodes(t)) meet(t, sums_by_tile[std::size_t(t)]);
+    });
   m.walls->extend(m.backend, m.grid.velocity.data());
   return sums_by_tile;
 }

@@ -5,6 +5,7 @@
 #include "talus/base/error.hpp"
 #include "talus/case/estimate.hpp"
 #include "talus/mpm/inspect.hpp"
+#include "talus/mpm/refinement.hpp"
 #include "talus/mpm/start/filling.hpp"
 #include "talus/mpm/start/surface_load.hpp"
 
@@ -63,7 +64,7 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
     set_state<Law>(p, i, at_rest);
     if (p.memory().extent) {
       const double edge = width_at_start(spec, volumes[i], Dim);
-      for (int a = 0; a < Dim; ++a) p.extent(a)[i] = edge * edge;
+      set_extent(p, i, SymTensor<double>::isotropic(edge * edge));
       p.ancestor()[i] = double(first_id + first + i);
     }
     if (p.memory().modulus)
