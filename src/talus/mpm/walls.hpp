@@ -1,7 +1,6 @@
 #pragma once
 /// Walls of the domain, for all tiles of the grid. Kernels for the nodes of a tile are in kernel/wall.hpp.
 
-#include <algorithm>
 #include <vector>
 
 #include "talus/mpm/backend.hpp"
@@ -47,7 +46,7 @@ class Walls {
   /// Calls f(t) for the tiles with nodes on, behind or beside walls.
   template <class F>
   void for_each_tile(Backend& backend, F f) const {
-    on(backend, near_walls_, f);
+    backend.for_each(n_near_walls(), [&](int i, int) { f(near_walls_[std::size_t(i)]); });
   }
 
   /// Adds the sums at images to their originals.
@@ -91,16 +90,16 @@ class Walls {
     std::vector<int> originals, walls, images;
   };
 
-  /// So many tiles take one thread less time than it takes all to meet.
-  static constexpr std::size_t few_tiles = 32;
-
   template <class F>
   void for_each_mirror(F f) const {
     for (int k = 0; k < mirrors_.n; ++k) f(mirrors_.mirrors[std::size_t(k)], tiles_with_[k]);
   }
+  /// Calls f(t) for some tiles, which works on their nodes on a plane. Few nodes take one thread less time than it takes all
+  /// threads to meet.
   template <class F>
   static void on(Backend& backend, const std::vector<int>& tiles, F f) {
-    if (tiles.size() <= few_tiles)
+    constexpr std::size_t few_nodes = 1024;
+    if (tiles.size() * power(tile_edge, Dim - 1) <= few_nodes)
       for (const int t : tiles) f(t);
     else
       backend.for_each(int(tiles.size()), [&](int i, int) { f(tiles[std::size_t(i)]); });

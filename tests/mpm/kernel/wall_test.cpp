@@ -60,6 +60,26 @@ TEST(WallKernel, ImagesAreTheNodesRightBehindAWall) {
   EXPECT_FALSE(Mirrors<2>(with_low_wall(WallKind::open)).is_image(before_it, number(3, 2)));
 }
 
+TEST(WallKernel, EightNodesAtATimeMeetWhatEachOfThemMeets) {
+  // In and beside a box with different walls.
+  const Mirrors<3> walls(
+      Domain<3>{{0, 0, 0},
+                1,
+                {8, 8, 8},
+                {WallKind::slip, WallKind::no_slip, rubs, WallKind::symmetry, WallKind::open, WallKind::no_slip}});
+  for (int t = 0; t < 64; ++t) {
+    Index<3> tile = unflatten<3>(t, 4);
+    for (int a = 0; a < 3; ++a) tile[a] -= 1;
+    for_each_eight_nodes(tile, walls, true, [&](int first, const auto& eight) {
+      for (int k = 0; k < 8; ++k) {
+        for (int a = 0; a < 3; ++a)
+          ASSERT_EQ(eight.allowed(a, Octet(3.0))[k], 3 * walls.allowed(tile, first + k)[a]) << t << " " << first + k;
+        ASSERT_EQ(eight.counted(Octet(5.0))[k], walls.is_image(tile, first + k) ? 0 : 5) << t << " " << first + k;
+      }
+    });
+  }
+}
+
 TEST(WallKernel, AnImagesSumGoesToItsOriginalTurnedRound) {
   for (const WallKind kind : {WallKind::slip, WallKind::no_slip}) {
     const Mirrors<2> walls(with_low_wall(kind));

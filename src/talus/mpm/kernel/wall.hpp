@@ -156,7 +156,7 @@ struct Mirrors {
   TALUS_HD static int side_of(const Mirror& m) { return 2 * m.axis + (m.image > m.wall ? 1 : 0); }
 };
 
-/// What walls mean to eight nodes.
+/// What walls mean to eight nodes. Always inlined: a library has parts for two processors, with eights in different registers.
 struct NoWalls {
   TALUS_INLINE TALUS_HD Octet allowed(int, Octet component) const { return component; }
   TALUS_INLINE TALUS_HD Octet counted(Octet number) const { return number; }
