@@ -123,7 +123,7 @@ TEST(Verification, MeansOverCellsKeepTheVolumeOfMaterialThatOpensAndCloses) {
   what.bodies[0].region = Box{{0, 0, 0}, {0.05, 0.5, 0}};
   what.bodies[0].spacing = what.cell / 2;
   what.materials[0].law = grains(5e5);
-  what.numerics.particle_splitting = Splitting::none;  // a single half of a particle that is thrown is a hundredth
+  what.numerics.particle_splitting = Splitting::none;  // of which a thrown half may open to a hundredth of the volume
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
   const auto volume = [&] {

@@ -278,7 +278,7 @@ class Stepper final : public Simulation {
   static constexpr double reach_of_windows = 0.5;
   /// Particles go half a cell at most before they are looked at again.
   static constexpr double rearranged_per_refinement = 4;
-  /// Results are the same from 3 to 64, in the scatter of the fronts (docs/numerics.md, Transfers).
+  /// From 4 to 24 fronts do not depend on it, beyond their scatter (docs/numerics.md, Transfers).
   static constexpr double filters_per_tau = 8;
 
   Model<Dim, Shape> model_;

@@ -108,7 +108,7 @@ class Walls {
   Mirrors<Dim> mirrors_;
   const Tile<Dim>* tiles_ = nullptr;
   Held tiles_with_[2 * Dim];
-  std::vector<int> near_wall_;   ///< of every tile, its number in the following, or -1
+  std::vector<int> near_wall_;   ///< of every tile, its number in `near_walls_`, or -1
   std::vector<int> near_walls_;  ///< tiles
 };
 
