@@ -1,4 +1,4 @@
-/// Whole steps: how many particles talus moves through a step in a second, for a few cases, on one thread and on two.
+/// Whole steps: how many particles talus moves through a step in a second, for a few cases, on one thread and on several.
 ///
 /// Prints one table. Every measurement is a block of steps that is repeated, and the best block counts: what else runs
 /// on a machine can only slow it down. Rates a CPU-second count the processor time of all threads; for them to mean
@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -230,11 +231,11 @@ void print_head() {
   fmt::print("{:>8}\n", "rest");
 }
 
-void run(const Benchmark& benchmark, bool quick) {
+void run(const Benchmark& benchmark, bool quick, int most_threads) {
   constexpr int n_blocks = 7;
   const double block_seconds = quick ? 0.2 : 1;
   forget_peak();
-  TimedLoop loop(2);
+  TimedLoop loop(most_threads);
   const auto simulation = make_simulation(benchmark.case_, loop);
   loop.threaded = true;
   measure(*simulation, loop, benchmark.first_steps);
@@ -243,21 +244,21 @@ void run(const Benchmark& benchmark, bool quick) {
 
   Measurement best[2];
   for (int block = 0; block < n_blocks; ++block)
-    for (int threads : {1, 2}) {
-      loop.threaded = threads > 1;
+    for (bool threaded : {false, true}) {
+      loop.threaded = threaded;
       const Measurement m = measure(*simulation, loop, n_steps);
-      Measurement& b = best[threads - 1];
+      Measurement& b = best[threaded];
       if (m.cpu < b.cpu) {
         b.cpu = m.cpu;
         b.share = m.share;
       }
       b.wall = std::min(b.wall, m.wall);
     }
-  for (int threads : {1, 2}) {
-    const Measurement& m = best[threads - 1];
-    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.3g}{:>10.0f}{:>10.0f}{:>9.0f}", benchmark.name, n, threads,
-               1e-6 * n / m.cpu, 1e-6 * n / m.wall, 1e3 * m.wall, 1e9 * m.cpu / n, double(simulation->bytes()) / n,
-               1e-6 * peak_memory());
+  for (bool threaded : {false, true}) {
+    const Measurement& m = best[threaded];
+    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.3g}{:>10.0f}{:>10.0f}{:>9.0f}", benchmark.name, n,
+               threaded ? most_threads : 1, 1e-6 * n / m.cpu, 1e-6 * n / m.wall, 1e3 * m.wall, 1e9 * m.cpu / n,
+               double(simulation->bytes()) / n, 1e-6 * peak_memory());
     double rest = 1;
     for (double share : m.share) {
       fmt::print("{:>8.0f}", 100 * share);
@@ -270,9 +271,9 @@ void run(const Benchmark& benchmark, bool quick) {
 
 /// What snapshots add to the time of steps: blocks of steps with one, the wait for its end included, beside blocks
 /// without.
-void run_with_snapshots(const Benchmark& benchmark) {
+void run_with_snapshots(const Benchmark& benchmark, int most_threads) {
   constexpr int n_blocks = 3, every = 100;
-  TimedLoop loop(2);
+  TimedLoop loop(most_threads);
   const auto simulation = make_simulation(benchmark.case_, loop);
   loop.threaded = true;
   measure(*simulation, loop, benchmark.first_steps);
@@ -281,7 +282,7 @@ void run_with_snapshots(const Benchmark& benchmark) {
   SnapshotSeries snapshots(folder, default_fields(benchmark.case_));
 
   fmt::print("\n{}, with a snapshot every {} steps beside none:\n", benchmark.name, every);
-  for (int threads : {1, 2}) {
+  for (int threads : {1, most_threads}) {
     loop.threaded = threads > 1;
     Measurement without, with;
     for (int block = 0; block < n_blocks; ++block) {
@@ -310,14 +311,16 @@ void run_with_snapshots(const Benchmark& benchmark) {
 struct Options {
   std::vector<Benchmark> (*benchmarks)(bool quick) = usual_benchmarks;
   bool quick = false;
+  int threads = 2;   ///< beside one
   std::string only;  ///< runs those whose name contains it
 };
 
-constexpr const char* usage = R"(usage: talus_steps [--growth | --domain] [--only TEXT] [--quick]
+constexpr const char* usage = R"(usage: talus_steps [--growth | --domain] [--only TEXT] [--threads N] [--quick]
 
   --growth      a granular column of 1e4 to 1e7 particles (with --quick to 1e6)
   --domain      the same grains in domains of 1e5 to 1e12 cells
   --only TEXT   only what has TEXT in its name
+  --threads N   on N threads beside one; without it on two
   --quick       smaller and shorter
 )";
 
@@ -334,6 +337,8 @@ std::optional<Options> options_of(int argc, char** argv) {
       options.benchmarks = growing_domains;
     else if (argument == "--only" && i + 1 < argc)
       options.only = argv[++i];
+    else if (argument == "--threads" && i + 1 < argc && std::atoi(argv[i + 1]) > 1)
+      options.threads = std::atoi(argv[++i]);
     else
       return std::nullopt;
   }
@@ -360,7 +365,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   print_head();
-  for (const Benchmark* benchmark : chosen) run(*benchmark, options->quick);
+  for (const Benchmark* benchmark : chosen) run(*benchmark, options->quick, options->threads);
   for (const Benchmark* benchmark : chosen)
-    if (benchmark->name == snapshot_column) run_with_snapshots(*benchmark);
+    if (benchmark->name == snapshot_column) run_with_snapshots(*benchmark, options->threads);
 }

@@ -238,7 +238,7 @@ TEST_F(Resume, DamagedAndForeignCheckpointsAreRefusedAndTheOlderOneIsUsed) {
       {"it is damaged: truncated or changed", [&] { spoil(newer, whole.size() - 2); }},
       {"it is no checkpoint of talus", [&] { fs::resize_file(newer, 0); }},
       {"it is no checkpoint of talus", [&] { std::ofstream(newer) << "\x89HDF\r\n\x1a\n and so on"; }},
-      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 9", "checkpoint 8"); }},
+      {"it is of another format", [&] { std::ofstream(newer) << replaced(whole, "checkpoint 10", "checkpoint 11"); }},
       {"of another case:\n  material.sand.phi was 31 deg, is 30 deg",
        [&] { fs::copy_file(in("other/checkpoint_0.h5"), newer, fs::copy_options::overwrite_existing); }},
   };

@@ -23,7 +23,7 @@ TEST(Arrangement, OccupiedTilesComeFirstAndHaveTheirParticles) {
     EXPECT_EQ(m.grid.tile(t).place, places[t]);
     EXPECT_EQ(m.bodies[0].tiles[std::size_t(t)].size(), sizes[t]);
   }
-  EXPECT_EQ(small.particles().id()[0], 1) << "sorted";
+  EXPECT_EQ(small.particles().id(0), 1) << "sorted";
   EXPECT_EQ(m.contacts.size(), std::size_t(m.grid.n_tiles()));
 }
 
@@ -76,7 +76,7 @@ TEST(Arrangement, ParticlesTakeTheMeasuredCostOfTheirTileAlong) {
     const bool first = backend.owner() == 0;
     std::vector<ShapedBody<2, Quadratic>> bodies;
     bodies.push_back({small_body({{first ? 3.95 : 5.5, 1.5}}), Quadratic()});
-    bodies[0].particles.id()[0] = backend.owner();
+    bodies[0].particles.set_id(0, backend.owner());
     Model<2, Quadratic> m(unit_cells<2>(16), {}, std::move(bodies), {}, pure_flip(), backend);
     arrange(m);
     const auto cost = [&] {

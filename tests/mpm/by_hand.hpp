@@ -35,7 +35,7 @@ Particles<Dim> particles_at(const std::vector<Vec<Dim>>& places, const ParticleM
       p.velocity(a)[i] = 0;
     }
     p.mass()[i] = p.reference_volume()[i] = 1;
-    p.id()[i] = i;
+    p.set_id(i, i);
   }
   return p;
 }

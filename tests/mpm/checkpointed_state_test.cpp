@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <map>
 #include <span>
 
@@ -45,7 +46,9 @@ TEST(CheckpointedState, IsEveryColumnOfEveryBodyTheTilesAndTheLedger) {
   EXPECT_EQ(saved.at("tiles"), (std::vector<double>{0, 0, 1, 1, 1, 1, 2, 0, 1, 1, 1, 1}))
       << "place, first and last cell";
   EXPECT_EQ(saved.at("body 0: first particles of tiles"), (std::vector<double>{0, 2, 3})) << "and their number";
-  EXPECT_EQ(saved.at("body 0: id 0"), (std::vector<double>{1, 2, 0})) << "in the order they lie in";
+  std::vector<double> ids;
+  for (const double number : saved.at("body 0: ids 0")) ids.push_back(std::bit_cast<ParticleIds>(number).id);
+  EXPECT_EQ(ids, (std::vector<double>{1, 2, 0})) << "in the order they lie in";
   EXPECT_EQ(saved.at("body 0: position 0"), (std::vector<double>{1.5, 1.25, 9.5}));
   EXPECT_TRUE(saved.at("closed contacts").empty());
   const int n_columns = run.small.particles().layout().n_columns();

@@ -55,7 +55,7 @@ Body<Dim> moving_box(const LinearElastic& law, double density, const Vec<Dim>& m
     const double volume = std::pow(spacing, Dim) * (axisymmetric ? x[0] : 1);
     p.mass()[i] = density * volume;
     p.reference_volume()[i] = volume;
-    p.id()[i] = i;
+    p.set_id(i, i);
     set_state<LinearElastic>(p, i, {SymTensor<double>::zero(), 1});
     if (memory.modulus) p.wave_modulus()[i] = volume * law.wave_modulus();
     for (int c = 0; (memory.moment || memory.gradient) && c < Dim * Dim; ++c) p.affine(c / Dim, c % Dim)[i] = 0;

@@ -29,7 +29,8 @@ Body<2> pair() {
 
 TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
   Body<2> body = pair();
-  std::swap(body.particles.id()[0], body.particles.id()[1]);
+  body.particles.set_id(0, 1);
+  body.particles.set_id(1, 0);
   const auto loop = make_openmp(2);
   Observation seen;
   observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), *loop, seen);
@@ -48,7 +49,7 @@ TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
 TEST(Inspect, WhatABodyDoesNotHaveIsNotANumber) {
   Body<2> sand{"sand", 1, case_1(), particles_at<2>({{1, 1}}, {state_size<Granular>}), {}};
   set_state<Granular>(sand.particles, 0, isotropic_state(case_1(), 0, 0.8));
-  sand.particles.id()[0] = 2;
+  sand.particles.set_id(0, 2);
   const std::vector<SymTensor<double>> still(2, SymTensor<double>::zero());
   const auto loop = make_serial();
   for (const bool sand_first : {false, true}) {

@@ -59,7 +59,7 @@ TEST(MakeStepper, EveryBodyHasTheShapeThatStandsAtItsPlace) {
     Body<2> pair = small_body({{x + 0.3, 6}, {x + 0.7, 6}});
     for (int i = 0; i < 2; ++i) {
       pair.particles.velocity(0)[i] = i == 0 ? -1 : 1;
-      pair.particles.id()[i] = (x > 5 ? 2 : 0) + i;
+      pair.particles.set_id(i, (x > 5 ? 2 : 0) + i);
     }
     bodies.push_back(std::move(pair));
   }

@@ -18,7 +18,7 @@ std::vector<int> one_by_one(const RowOrder& rows) {
 }
 std::vector<double> ids_in(const Particles<2>& p, const RowOrder& rows) {
   std::vector<double> ids;
-  for (const int i : one_by_one(rows)) ids.push_back(p.id()[i]);
+  for (const int i : one_by_one(rows)) ids.push_back(p.id(i));
   return ids;
 }
 
@@ -37,8 +37,8 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
     bodies.push_back(
         {"", 1, LinearElastic{1, 0}, particles_at<2>(first ? std::vector<Vec<2>>{} : std::vector<Vec<2>>{{7, 1}}), {}});
     for (int i = 0; i < bodies[0].particles.size(); ++i) {
-      bodies[0].particles.id()[i] = first ? i : 3 + i;
-      bodies[0].particles.mass()[i] = 10 + bodies[0].particles.id()[i];
+      bodies[0].particles.set_id(i, first ? i : 3 + i);
+      bodies[0].particles.mass()[i] = 10 + bodies[0].particles.id(i);
     }
     const auto all = gather(backend, occupied_tiles(bodies, domain, backend));
     EXPECT_EQ(all.places, (std::vector<Index<2>>{{0, 0}, {1, 0}}));
@@ -47,7 +47,7 @@ TEST(Migration, ParticlesGoToTheOwnersOfTheTilesTheyLieIn) {
     const Particles<2>& p = bodies[0].particles;
     EXPECT_EQ(ids_in(p, rows[0]), first ? (std::vector<double>{0, 1, 3}) : (std::vector<double>{2, 4}))
         << "owner by owner";
-    for (const int i : one_by_one(rows[0])) EXPECT_EQ(p.mass()[i], 10 + p.id()[i]) << "with all their columns";
+    for (const int i : one_by_one(rows[0])) EXPECT_EQ(p.mass()[i], 10 + p.id(i)) << "with all their columns";
     EXPECT_EQ(one_by_one(rows[1]).size(), first ? 0u : 1u);
     const OccupiedTiles<2> own = tiles_of(backend.owner(), all, {0, 1});
     EXPECT_EQ(own.places, (std::vector<Index<2>>{{first ? 0 : 1, 0}}));
@@ -66,7 +66,7 @@ TEST(Migration, ParticlesArriveInTheOrderOfTheTilesThatTheyComeFrom) {
         {"", 1, LinearElastic{1, 0},
          particles_at<2>(first ? std::vector<Vec<2>>{{5, 1}, {6, 1}, {5, 2}} : std::vector<Vec<2>>{{5, 3}}),
          first ? std::vector<RowRange>{{0, 2}, {2, 3}} : std::vector<RowRange>{{0, 1}}});
-    for (int i = 0; i < bodies[0].particles.size(); ++i) bodies[0].particles.id()[i] = first ? (i < 2 ? i : 3) : 2;
+    for (int i = 0; i < bodies[0].particles.size(); ++i) bodies[0].particles.set_id(i, first ? (i < 2 ? i : 3) : 2);
     Halo before;
     before.number = first ? std::vector<long>{0, 2} : std::vector<long>{1};
     const Domain<2> domain = unit_cells<2>(12);

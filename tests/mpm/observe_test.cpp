@@ -89,8 +89,8 @@ TEST(Observe, BodiesAreNumberedInTheirOrderAndShareTheIds) {
   std::vector<ShapedBody<2, Quadratic>> bodies;
   bodies.push_back({small_body({{1.5, 1.5}, {2.5, 1.5}}), {}});
   bodies.push_back({small_body({{9.5, 9.5}}), {}});
-  bodies[0].particles.id()[1] = 2;
-  bodies[1].particles.id()[0] = 1;
+  bodies[0].particles.set_id(1, 2);
+  bodies[1].particles.set_id(0, 1);
   Model<2, Quadratic> m(unit_cells<2>(16), {}, std::move(bodies), {}, pure_flip(), *serial);
   arrange(m);
   const Observation seen = observed(m, 0, 0, true);
@@ -106,7 +106,7 @@ TEST(Observe, WhatHasLeftIsNotSeenAndHasNoPlace) {
   auto& p = small.particles();
   p.position(0)[1] = 9;
   p.position(1)[1] = 3;
-  p.id()[1] = 2;
+  p.set_id(1, 2);
   p.reference_volume()[1] = 4;
   p.resize(2);
   m.n_particles = 2;

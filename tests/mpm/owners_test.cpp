@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cstring>
 #include <map>
 #include <numbers>
@@ -85,9 +86,9 @@ class Run {
     const auto* split = dynamic_cast<const SplitBackend*>(&backend_);
     for (const StateArray& array : simulation_->save()) {
       const std::vector<double> part = array.part();
-      if (array.name.ends_with(": id 0")) {
-        const std::vector<double> ids = split ? split->sent() : part;
-        own.emplace_back(ids.begin(), ids.end());
+      if (array.name.ends_with(": ids 0")) {
+        std::set<long>& ids = own.emplace_back();
+        for (const double number : split ? split->sent() : part) ids.insert(std::bit_cast<ParticleIds>(number).id);
       }
       const std::vector<Message> parts = backend_.gather(part);
       std::size_t before = 0;

@@ -115,7 +115,7 @@ TEST(Rest, EndsWhereSomethingFallsOnIt) {
   EXPECT_NEAR(share_left_out(*s), of_column, 1e-12);
   run_until(*s, impact + 0.5 * fall);
   EXPECT_LT(share_left_out(*s), 0.5 * of_column);
-  run_until(*s, impact + 30 * fall);
+  run_until(*s, impact + 50 * fall);
   EXPECT_GT(share_left_out(*s), 0.95) << "and all comes to rest again, but for grains on top";
   expect_all_momentum(s->ledger());
   // What carries it then has the weight of both: 0.5 m and, on half of the width, 0.2 m of sand.

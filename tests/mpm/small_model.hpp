@@ -26,10 +26,7 @@ Body<2> small_body(const std::vector<Vec<2>>& places, const Numerics& n = pure_f
   for (int i = 0; i < p.size(); ++i)
     set_state<Law>(p, i, std::get<typename Law::template State<double>>(law.at_rest({})));
   if (p.memory().extent)
-    for (int i = 0; i < p.size(); ++i) {
-      set_extent(p, i, SymTensor<double>::isotropic(1));
-      p.ancestor()[i] = i;
-    }
+    for (int i = 0; i < p.size(); ++i) set_extent(p, i, SymTensor<double>::isotropic(1));
   return {"body", 1, law, std::move(p), {}};
 }
 
@@ -47,7 +44,7 @@ class SmallModel {
   /// The row of the particle with this number.
   int row(long id) {
     int i = 0;
-    while (long(particles().id()[i]) != id) ++i;
+    while (particles().id(i) != id) ++i;
     return i;
   }
 

@@ -38,7 +38,7 @@ Body<2> moving_box(const Law& law, double density, double void_ratio, const Vec<
     const auto state = std::get<typename Law::template State<double>>(law.at_rest(rest));
     p.mass()[i] = density * spacing * spacing;
     p.reference_volume()[i] = spacing * spacing / law.specific_volume(state);
-    p.id()[i] = i;
+    p.set_id(i, i);
     set_state<Law>(p, i, state);
   }
   return body;

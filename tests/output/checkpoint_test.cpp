@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -20,6 +21,7 @@
 #include "folder_of_its_own.hpp"
 #include "mpm/cases.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/mpm/data/particles.hpp"
 
 namespace talus::checkpoint_test {
 
@@ -81,11 +83,12 @@ std::map<std::string, std::size_t> hashes_of(const Simulation& simulation) {
 void expect_all_there(const Simulation& simulation, const Case& what) {
   const auto n = std::size_t(simulation.n_particles());
   for (const StateArray& array : simulation.save()) {
-    if (array.name == "body 0: id 0") {
+    if (array.name == "body 0: ids 0") {
       std::vector<char> seen(n, 0);
-      for (const double id : array.part()) {
-        ASSERT_TRUE(id >= 0 && id < double(n)) << id;
-        ++seen[std::size_t(id)];
+      for (const double number : array.part()) {
+        const std::size_t id = std::bit_cast<ParticleIds>(number).id;
+        ASSERT_LT(id, n);
+        ++seen[id];
       }
       for (const char times : seen) ASSERT_EQ(times, 1);
     }

@@ -8,6 +8,9 @@ namespace talus::detail {
 
 /// Smallest x of contacts; below it they lose their stress: 1e-11 Pa for n = 1/2, less for larger n.
 inline constexpr double least_x = 1e-8;
+/// How far x may be from the root of its equation, relatively, and as a share of what plastic flow takes from it in the step:
+/// dilatancy then errs by as much, little beside the error of a first-order step. The balance of energy does not.
+inline constexpr double accuracy_of_x = 1e-8, accuracy_of_flow = 1e-4;
 
 /// Volume change of a step without friction: compression first closes a gap, then causes pressure.
 template <class R>
@@ -99,7 +102,6 @@ struct ReturnEquation {
   /// Evaluates the equations at x = exp(ln_x). The caller passes the logarithm, and divisions and square roots are few,
   /// because the chain of dependent operations determines the time.
   TALUS_HD ReturnPoint<R> at(R x, R ln_x) const {
-    const R zero = R(0.0), two = R(2.0);
     ReturnPoint<R> r;
     r.x = x;
     r.ln_x = ln_x;
@@ -112,12 +114,10 @@ struct ReturnEquation {
     const R rise = select(far, r.p - p_n, R(0.5) * (k_n * x + R(m) * r.p)), run = select(far, step, x);
     r.G = R(law.shear_to_bulk()) * trial.a * rise / run;
 
-    // Invariants of the trial stress, polynomials in G: q and S = (9/2) tr s^3/q^3.
-    const R g = two * r.G;
-    const R q2 = R(1.5) * max(ss + g * (two * se + g * ee), zero);
+    // S = (9/2) tr s^3/q^3 of the trial stress.
+    find_trial(r);
+    const R g = R(2.0) * r.G;
     const R trace3 = sss + g * (R(3.0) * (sse + g * see) + g * g * eee);
-    r.per_q = inverse_root(max(q2, R(1e-200)));
-    r.q_trial = q2 * r.per_q;
     const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * (r.per_q * r.per_q * r.per_q)));
 
     const R density = law.ln_density(ln_P, ln_e);
@@ -130,12 +130,21 @@ struct ReturnEquation {
       r.M_pt = risen * r.M_pt;
     }
 
-    if (law.hardening_rule == HardeningRule::square_root) {
-      mobilise_by_root(r);
-      r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
-      return r;
-    }
-    // f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
+    mobilise(r);
+    r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
+    return r;
+  }
+
+  /// q of the trial stress, a polynomial in G, and 1 over it.
+  TALUS_HD void find_trial(ReturnPoint<R>& r) const {
+    const R g = R(2.0) * r.G, q2 = R(1.5) * max(ss + g * (R(2.0) * se + g * ee), R(0.0));
+    r.per_q = inverse_root(max(q2, R(1e-200)));
+    r.q_trial = q2 * r.per_q;
+  }
+  /// d kappa, h and 1/root of f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
+  TALUS_HD void mobilise(ReturnPoint<R>& r) const {
+    if (law.hardening_rule == HardeningRule::square_root) return mobilise_by_root(r);
+    const R zero = R(0.0), two = R(2.0);
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
     const R excess = two * max(r.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
     const R b = G3 * k + strength - r.q_trial;
@@ -146,8 +155,6 @@ struct ReturnEquation {
     const R per_both = R(1.0) / (below * hardened);
     r.dkappa = excess * hardened * per_both;
     r.h = (kappa_n * below + excess) * below * per_both;
-    r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
-    return r;
   }
 
   /// h, d kappa and 1/root where h = sqrt(kappa/(k_p + kappa)), so that kappa = k_p h^2/(1 - h^2). f = 0 reads
@@ -199,19 +206,22 @@ struct ReturnEquation {
   }
 };
 
-/// Extrapolation to x + step from the points at x and x - dx: slowly varying quantities linearly, p as p ~ x^m.
-template <Number R>
-TALUS_HD ReturnPoint<R> extrapolate(const ReturnPoint<R>& at, const ReturnPoint<R>& before, R step, R dx, double m) {
+/// The point at x + step from those at x and x - dx: slowly varying quantities linearly, p as p ~ x^m, and f = 0.
+template <class R, class Friction>
+TALUS_HD ReturnPoint<R> extrapolate(const ReturnEquation<R, Friction>& equation, const ReturnPoint<R>& at,
+                                    const ReturnPoint<R>& before, R step, R dx) {
   const R per_both = R(1.0) / (dx * at.x), t = step * at.x * per_both, d = step * dx * per_both;
   const auto on_line = [&](R now, R then) { return now + t * (now - then); };
   ReturnPoint<R> r = at;
   r.x = at.x + step;
-  r.p = at.p * (R(1.0) + R(m) * d * (R(1.0) + R(0.5 * (m - 1)) * d));
+  const double m = equation.m;
+  const R last = R(1.0) + R((m - 2) / 3) * d;  // of the binomial series
+  r.p = at.p * (R(1.0) + R(m) * d * (R(1.0) + R(0.5 * (m - 1)) * d * last));
   r.G = on_line(at.G, before.G);
   r.M_p = on_line(at.M_p, before.M_p);
   r.M_pt = on_line(at.M_pt, before.M_pt);
-  r.h = on_line(at.h, before.h);
-  r.dkappa = on_line(at.dkappa, before.dkappa);
+  equation.find_trial(r);
+  equation.mobilise(r);
   return r;
 }
 
@@ -257,8 +267,11 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   // The residual is negative at `low` and positive at `high`, once either is known.
   M low_known = r.residual < zero;
   R low = select(low_known, r.x, floor), high = select(low_known, unbounded, r.x);
-  // x is found to about 1e-8; and not closer than 1e-13 of the sum of magnitudes in the residual.
+  // x is not found closer than to 1e-13 of the sum of magnitudes in the residual.
   const R noise = R(1e-13) * abs(trial.x);
+  const auto near_enough = [&](const ReturnPoint<R>& at) {
+    return max(R(accuracy_of_x) * at.x, R(accuracy_of_flow) * min(abs(at.x - trial.x), at.x));
+  };
   // What the next guess adds to x: a Newton step first, then steps of the secant.
   R step = any(open) ? -r.residual / max(equation.slope(r), R(0.1)) : zero;
   for (int iteration = 0; iteration < 200 && any(open); ++iteration) {
@@ -282,15 +295,15 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     low = select(open & negative, r.x, low);
     high = select(open & !negative, r.x, high);
     low_known = low_known | (open & negative);
-    open = open & !gone & (abs(r.residual) > max(R(1e-8) * r.x, noise)) & ((high - low) > R(4e-16) * high);
+    open = open & !gone & (abs(r.residual) > max(near_enough(r), noise)) & ((high - low) > R(4e-16) * high);
     // The secant's root if it is one; an impossible value halves the bracket instead.
     step = select(dresidual * dx > R(1e-6) * dx * dx, -r.residual * dx / dresidual, -unbounded);
     // The secant's root misses the curve's by the step times what the slope changes, relatively: step/dx from the last
     // point, and no less than (dx/x)^2. If that is small, the equation is not evaluated again at the root.
-    const R turn = max(abs(step) * r.x * r.x, abs(dx * dx * dx));
-    const M sure = open & (abs(step) * turn <= R(1e-8) * r.x * r.x * r.x * abs(dx));
+    const R x2 = r.x * r.x, turn = max(abs(step) * x2, abs(dx * dx * dx));
+    const M sure = open & (abs(step) * turn <= near_enough(r) * x2 * abs(dx));
     if (any(sure)) {
-      r = select_point<R>(sure, extrapolate(r, before, step, dx, equation.m), r);
+      r = select_point<R>(sure, extrapolate(equation, r, before, step, dx), r);
       open = open & !sure;
     }
   }
@@ -329,8 +342,8 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
                              R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
                          half_se + shear_before - stored_before);
   response.plastic_work = select(carries,
-                                 (p_mean * R(law.A_d) * (r.M_pt - r.eta()) + q_mean) * r.dkappa + compressing +
-                                     shearing + stored_before - law.elastic_energy(state),
+                                 p_mean * (trial.x - x) * per_a + q_mean * r.dkappa + compressing + shearing +
+                                     stored_before - law.elastic_energy(state),
                                  half_se + shear_before);
   response.collisional_work = zero;
   return response;

@@ -38,7 +38,7 @@ struct Culprit {
 template <int Dim, class Shape>
 Culprit culprit_at(const Model<Dim, Shape>& m, std::size_t body, int particle) {
   const Body<Dim>& its = m.bodies[body];
-  return {long(its.particles.id()[particle]), describe<Dim>(its, particle),
+  return {its.particles.id(particle), describe<Dim>(its, particle),
           tile_numbers<Dim>(its, m.halo, m.backend)[std::size_t(particle)], body};
 }
 

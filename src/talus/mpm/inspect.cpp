@@ -17,12 +17,6 @@ const Quantity& common(std::string_view name) {
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
 
-/// The id of the particle of the start that a particle was split from, or its own.
-template <int Dim>
-double ancestor_of(const Particles<Dim>& p, int i) {
-  return p.memory().extent ? p.ancestor()[i] : p.id()[i];
-}
-
 }  // namespace
 
 template <int Dim>
@@ -54,8 +48,8 @@ void observe_body(const Body<Dim>& body, int number, const std::vector<SymTensor
     for (int a = 0; a < 3; ++a) v[a] = a < Dim ? p.velocity(a)[i] : 0;
   });
   put(common("body"), [&](int, double* v) { *v = number; });
-  put(common("id"), [&](int i, double* v) { *v = p.id()[i]; });
-  put(common("ancestor"), [&](int i, double* v) { *v = ancestor_of(p, i); });
+  put(common("id"), [&](int i, double* v) { *v = double(p.id(i)); });
+  put(common("ancestor"), [&](int i, double* v) { *v = double(p.ancestor(i)); });
   put(common("mass"), [&](int i, double* v) { *v = p.mass()[i]; });
   put(common("shear_rate"), [&](int i, double* v) { *v = shear_rate(deviator(rates[i])); });
   if (p.memory().moment)
@@ -161,11 +155,11 @@ void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, dou
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = range.begin; i < range.end; ++i) {
-          *row++ = p.id()[i];
+          *row++ = double(p.id(i));
           for (int a = 0; a < 3; ++a) *row++ = a < Dim ? p.position(a)[i] : 0;
           *row++ = size_of_particle(volume_of(law, p, i), axisymmetric ? p.position(0)[i] : 1, Dim);
           *row++ = p.mass()[i];
-          *row++ = ancestor_of(p, i);
+          *row++ = double(p.ancestor(i));
         }
       },
       body.law);
@@ -177,7 +171,7 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_st
   std::visit(
       [&]<class Law>(const Law& law) {
         for (int i = 0; i < p.size(); ++i) {
-          rows.push_back(p.id()[i]);
+          rows.push_back(double(p.id(i)));
           for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
           for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.velocity(a)[i] : 0);
           const double volume = volume_of(law, p, i);
@@ -236,7 +230,7 @@ TilePressure CellPressures<Dim>::sum(const Index<Dim>& tile) const {
 template <int Dim>
 std::string describe(const Body<Dim>& body, int i) {
   const Particles<Dim>& p = body.particles;
-  std::string text = fmt::format("  particle {} of body `{}`\n", long(p.id()[i]), body.name);
+  std::string text = fmt::format("  particle {} of body `{}`\n", p.id(i), body.name);
   const auto line = [&](std::string_view name, const double* values, int n, std::string_view unit) {
     text += fmt::format("  {:<20} {:.6g} {}\n", name, fmt::join(values, values + n, ", "), unit == "1" ? "" : unit);
   };

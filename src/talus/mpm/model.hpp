@@ -204,7 +204,7 @@ struct Model {
   void make_room_for_grid_velocities() {
     std::size_t n = 0;
     for (const auto& body : bodies) n += Dim * std::size_t(body.particles.size());
-    double* room = grid.room_behind_windows(n);
+    double* room = grid.template room_behind_windows<double>(grid.template bytes_of_windows<MassMomentum>(), n);
     for (auto& body : bodies) {
       body.grid_velocity = room;
       room += Dim * std::size_t(body.particles.size());

@@ -164,7 +164,7 @@ std::string describe_particle(const Model<Dim, Shape>& m, long id) {
   std::string text;
   for (const auto& body : m.bodies)
     for (int i = 0; i < body.particles.size() && text.empty(); ++i)
-      if (long(body.particles.id()[i]) == id) text = describe<Dim>(body, i);
+      if (body.particles.id(i) == id) text = describe<Dim>(body, i);
   return gather(m.backend, text);
 }
 

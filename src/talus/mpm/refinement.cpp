@@ -321,7 +321,7 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
           mean(ParticleField::position, share);
           mean(ParticleField::velocity, share);
           set_extent(p, i, S);
-          if (p.mass()[j] > p.mass()[i]) p.ancestor()[i] = p.ancestor()[j];
+          if (p.mass()[j] > p.mass()[i]) p.set_ids(i, p.id(i), p.ancestor(j));
           // Weights of the reference volumes conserve the volume; compression is averaged as over cells.
           double x_mean = 0;
           if constexpr (AveragesCompression<Law>) {

@@ -70,15 +70,17 @@ class Walls {
       on(backend, held.images, [&](int t) { talus::extend_evenly(tiles_, t, m, nodal); });
     });
   }
-  /// The same for the moments of the velocity filter. Walls with friction or separation mirror nothing.
-  void fold(Backend& backend, FilterMoments<Dim>* moments) const {
+  /// The same for moments of the velocity filter, `of(t)` those of the nodes of tile t. Walls with friction or separation
+  /// mirror nothing.
+  template <class MomentsOf>
+  void fold_moments(Backend& backend, MomentsOf of) const {
     for_each_mirror([&](const Mirror& m, const Held& held) {
       if (m.continues) return;
-      on(backend, held.originals, [&](int t) { fold_moments_to_originals(tiles_, t, m, moments); });
-      on(backend, held.walls, [&](int t) { fold_moments_on_wall(tiles_, t, m, moments); });
+      on(backend, held.originals, [&](int t) { fold_moments_to_originals(tiles_, t, m, of); });
+      on(backend, held.walls, [&](int t) { fold_moments_on_wall(tiles_, t, m, of); });
     });
   }
-  void extend(Backend& backend, FitInPlace<Dim>* fits) const {
+  void extend(Backend& backend, FilterFit<Dim>* fits) const {
     for_each_mirror([&](const Mirror& m, const Held& held) {
       if (!m.continues) on(backend, held.images, [&](int t) { extend_fits(tiles_, t, m, fits); });
     });

@@ -29,7 +29,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kind = "talus checkpoint ", format = "9\n";
+constexpr std::string_view kind = "talus checkpoint ", format = "10\n";
 
 /// What stands before the HDF5 file in the same file, in what HDF5 calls a user block: what it is, and the checksum of the
 /// rest.

@@ -16,7 +16,7 @@ TEST(TilePoints, AreTheParticlesOfTheTilesRange) {
   EXPECT_EQ(points.size(), 7);
   EXPECT_EQ(points.tile, (Index<2>{3, 5}));
   EXPECT_EQ(points.shape.half_width, 0.25);
-  EXPECT_EQ(points.particles.id()[points.range.begin], 4);
+  EXPECT_EQ(points.particles.ids(points.range.begin).id, 4);
   EXPECT_EQ(points.count(0), 4) << "four at a time";
   EXPECT_EQ(points.count(4), 3) << "and what is left";
 }

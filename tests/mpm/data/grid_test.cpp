@@ -175,7 +175,7 @@ TEST(Grid, HasAboutTheMemoryThatItsTilesNeedWhenTheyBecomeMore) {
   }
 }
 
-/// 192 bytes: what a node has most of in a run.
+/// 192 bytes: more than a node has in a run.
 struct alignas(64) Wide {
   double numbers[24];
 };
@@ -203,10 +203,11 @@ TEST(Grid, LendsTheRoomOfItsArraysAndHasThemAllAgainAfterwards) {
   EXPECT_EQ(number(first.data()), number(grid.momentum.data()));
   EXPECT_EQ(grid.bytes(), bytes);
   // Numbers of particles lie behind the windows of forces; as many as fit there need no more memory.
-  const double* behind = grid.room_behind_windows(4 * 343);
+  const std::size_t of_forces = grid.bytes_of_windows<ForceStiffness>();
+  const double* behind = grid.room_behind_windows<double>(of_forces, 4 * 343);
   EXPECT_EQ(behind - number(grid.force_windows.data()), 4 * 343);
   EXPECT_EQ(grid.bytes(), bytes);
-  double* many = grid.room_behind_windows(100'000);
+  double* many = grid.room_behind_windows<double>(of_forces, 100'000);
   std::fill_n(many, 100'000, 1.0);
   EXPECT_EQ(many - number(grid.momentum_windows.data()), 4 * 343);
   EXPECT_EQ(number(grid.force_windows.data()), number(grid.momentum_windows.data()));

@@ -22,6 +22,19 @@ TEST(ParticleLayout, FollowsFromWhatAParticleRemembers) {
   EXPECT_EQ(ParticleLayout(2, {0, false, false, false, 3}).n_columns(), 7 + 3) << "loaded areas";
 }
 
+TEST(ParticleIds, AreKeptInOneNumberUpToTheLastOf32Bits) {
+  Particles<3> p({});
+  p.resize(2);
+  p.set_id(0, 7);
+  EXPECT_EQ(p.id(0), 7);
+  EXPECT_EQ(p.ancestor(0), 7) << "a particle of the start";
+  p.set_ids(1, ParticleIds::most, 4'294'967'294);
+  EXPECT_EQ(p.id(1), 4'294'967'295);
+  EXPECT_EQ(p.ancestor(1), 4'294'967'294);
+  EXPECT_THROW(p.set_id(0, ParticleIds::most + 1), std::length_error);
+  EXPECT_EQ(p.id(0), 7);
+}
+
 TEST(ParticleLayout, EveryColumnBelongsToOneField) {
   const ParticleLayout layout(3, {5, true, false, true, 2});
   int next = 0;

@@ -77,7 +77,7 @@ TEST(FilterKernel, AFitHasTheMomentumOfItsParticlesUntilItIsHeld) {
 TEST(FilterKernel, AMirroredMomentIsThatOfMirroredParticles) {
   // Behind a no-slip wall across x: the particles at +-1/2 with (-1, -1) and (-3, -1), so that 3 is to the left.
   const Quad turned = wall_factors(WallKind::no_slip, 0, -1);
-  const FilterMoments<2> m = of_two().mirrored(0, turned);
+  const FilterMoments<2> m = mirrored(of_two(), 0, turned);
   EXPECT_EQ(vector_of(m.zeroth()), (Vec<3>{-4, -2, 0}));
   EXPECT_EQ(m.mass(), 2);
   EXPECT_EQ(vector_of(m.first(0)), (Vec<3>{1, 0, 0}));
@@ -101,9 +101,10 @@ TEST(FilterKernel, MomentsAtImagesAreFoldedToTheirOriginalsAndOnTheWallKeepWhatM
   };
   all[number({-1, 2})] = all[number({0, 2})] = of_two();
   fits[number({1, 2})] = fit_velocity(of_two(), 1e-12);
+  const auto of = [&](int t) { return &all[16 * std::size_t(t)]; };
   for (int t = 0; t < int(tiles.size()); ++t) {
-    fold_moments_to_originals(tiles.data(), t, walls.mirrors[0], all.data());
-    fold_moments_on_wall(tiles.data(), t, walls.mirrors[0], all.data());
+    fold_moments_to_originals(tiles.data(), t, walls.mirrors[0], of);
+    fold_moments_on_wall(tiles.data(), t, walls.mirrors[0], of);
   }
   for (int t = 0; t < int(tiles.size()); ++t) extend_fits(tiles.data(), t, walls.mirrors[0], fits.data());
   EXPECT_EQ(vector_of(all[number({1, 2})].zeroth()), (Vec<3>{-4, -2, 0}));

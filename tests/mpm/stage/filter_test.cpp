@@ -36,7 +36,7 @@ class Cloud {
     const Particles<Dim>& p = model_.bodies[0].particles;
     std::vector<Vec<Dim>> all(p.size());
     for (int i = 0; i < p.size(); ++i)
-      for (int a = 0; a < Dim; ++a) all[int(p.id()[i])][a] = p.velocity(a)[i];
+      for (int a = 0; a < Dim; ++a) all[int(p.id(i))][a] = p.velocity(a)[i];
     return all;
   }
   double mass_of(int id) const { return 1 + uneven_ * std::sin(id); }

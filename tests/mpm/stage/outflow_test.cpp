@@ -31,8 +31,8 @@ TEST(Outflow, WhatIsBeyondASideThatLetsOutIsTakenOutWithWhatItHolds) {
   let_out(m, ledger);
   EXPECT_EQ(m.n_particles, 2);
   ASSERT_EQ(p.size(), 2);
-  EXPECT_EQ(p.id()[0], 0);
-  EXPECT_EQ(p.id()[1], 2) << "the others keep their order";
+  EXPECT_EQ(p.id(0), 0);
+  EXPECT_EQ(p.id(1), 2) << "the others keep their order";
   EXPECT_EQ(ledger.mass, 2);
   EXPECT_EQ(ledger.outflow.mass, 2);
   EXPECT_EQ(ledger.outflow.momentum, (Vec<3>{8, -2, 0}));

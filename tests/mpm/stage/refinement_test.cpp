@@ -30,8 +30,9 @@ struct Sheet : SmallModel<> {
     domain.walls[2] = floor;
     return domain;
   }
-  RefinementCost refine() {
-    const RefinementCost cost = refinement.apply(model, 0, model.n_particles);
+  RefinementCost refine() { return refine(model.n_particles); }
+  RefinementCost refine(long n_ids) {
+    const RefinementCost cost = refinement.apply(model, 0, n_ids);
     if (cost.n_split + cost.n_merged > 0) arrange(model);
     return cost;
   }
@@ -65,7 +66,7 @@ TEST(Refinement, MakesTwoOfAPointThatStandsForMaterialOverAGapAndKeepsAllSums) {
       EXPECT_EQ(p.mass()[i], 0.5);
       EXPECT_EQ(p.reference_volume()[i], 0.5);
       EXPECT_EQ(p.velocity(0)[i], 3);
-      EXPECT_EQ(p.ancestor()[i], 1);
+      EXPECT_EQ(p.ancestor(i), 1);
     }
     for (int a = 0; a < 2; ++a) {
       EXPECT_NEAR(0.5 * (p.position(a)[one] + p.position(a)[other]), 8.4, 1e-14) << "the centre";
@@ -77,6 +78,14 @@ TEST(Refinement, MakesTwoOfAPointThatStandsForMaterialOverAGapAndKeepsAllSums) {
     while (more < 10 && sheet.refine().n_split > 0) ++more;
     EXPECT_LE(more, 2) << "each halves L; nothing shorter than a cell is split";
   }
+}
+
+TEST(Refinement, SplitsNothingMoreWhenIdsAreUsedUp) {
+  Sheet sheet = row({1, 0});
+  EXPECT_EQ(sheet.refine(ParticleIds::most).n_split, 0);
+  EXPECT_EQ(sheet.particles().size(), 3);
+  EXPECT_EQ(sheet.refine(ParticleIds::most - 1).n_split, 1);
+  EXPECT_EQ(sheet.particles().id(sheet.row(ParticleIds::most - 1)), ParticleIds::most - 1);
 }
 
 TEST(Refinement, LeavesPointsAloneThatAreShortOrAtAnEdgeOrAmongOthers) {
@@ -229,9 +238,9 @@ TEST(Refinement, MergesAlikePointsOfACrowdedCellAndKeepsAllSums) {
     Particles<2>& p = sheet.particles();
     for (int i = 0; i < p.size(); ++i) {
       set_extent(p, i, {0.01, 0.01, 0, 0, 0, 0});
-      p.velocity(0)[i] = std::sin(p.id()[i]);
+      p.velocity(0)[i] = std::sin(p.id(i));
       p.velocity(1)[i] = 2;
-      p.mass()[i] = 1 + 0.01 * p.id()[i];
+      p.mass()[i] = 1 + 0.01 * p.id(i);
       if (p.memory().moment)
         for (int a = 0; a < 2; ++a)
           for (int b = 0; b < 2; ++b) p.affine(a, b)[i] = 0.1 * a - 0.05 * b;

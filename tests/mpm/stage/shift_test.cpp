@@ -23,7 +23,7 @@ TEST(ParticleShift, ACrowdOfAFluidMovesApartAboutItsMiddleByATenthOfACellAtMost)
   const auto& p = small.particles();
   Vec<2> total{};
   for (int i = 0; i < 16; ++i) {
-    const Vec<2> before = crowd()[std::size_t(p.id()[i])];
+    const Vec<2> before = crowd()[std::size_t(p.id(i))];
     for (int a = 0; a < 2; ++a) {
       const double shift = p.position(a)[i] - before[a];
       EXPECT_LE(std::abs(shift), 0.1 + 1e-15);
@@ -66,7 +66,7 @@ TEST(ParticleShift, WhatKeepsItsNeighboursIsNotShifted) {
   ParticleShift<2, Quadratic>().apply(small.model, 0);
   const auto& p = small.particles();
   for (int i = 0; i < 16; ++i)
-    for (int a = 0; a < 2; ++a) EXPECT_EQ(p.position(a)[i], crowd()[std::size_t(p.id()[i])][a]);
+    for (int a = 0; a < 2; ++a) EXPECT_EQ(p.position(a)[i], crowd()[std::size_t(p.id(i))][a]);
 }
 
 }  // namespace talus::stage_shift_test

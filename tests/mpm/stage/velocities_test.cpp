@@ -22,7 +22,7 @@ TEST(Velocities, NodesHaveTheMassAndMomentumOfTheParticlesAcrossTiles) {
   auto& m = small.model;
   arrange(m);
   for (int i = 0; i < 3; ++i) {
-    small.particles().velocity(0)[i] = 1 + small.particles().id()[i];
+    small.particles().velocity(0)[i] = 1 + small.particles().id(i);
     small.particles().mass()[i] = 2;
   }
   add_momentum(m);

@@ -52,7 +52,7 @@ TEST(StartOfABody, ItsParticlesShareItsMassAndAreNumberedFromTheFirstIdOn) {
   ASSERT_EQ(flat.particles.size(), 8);
   ASSERT_EQ(deep.particles.size(), 8);
   for (int i = 0; i < 8; ++i) {
-    EXPECT_EQ(flat.particles.id()[i], 10 + i);
+    EXPECT_EQ(flat.particles.id(i), 10 + i);
     EXPECT_NEAR(flat.particles.mass()[i], 125, 1e-12);
     EXPECT_NEAR(flat.particles.reference_volume()[i], 0.0625, 1e-16);
     EXPECT_NEAR(deep.particles.mass()[i], 31.25, 1e-13);

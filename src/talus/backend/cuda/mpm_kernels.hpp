@@ -219,10 +219,11 @@ struct FilterFits {
   int mirror;
   double least_mass;
   TALUS_HD void operator()(int t) const {
-    fold_moments_to_originals(m.tiles, t, m.walls.mirrors[mirror], m.moments);
-    fold_moments_on_wall(m.tiles, t, m.walls.mirrors[mirror], m.moments);
+    const auto moments_of = [&](int tile) { return m.nodes_of(m.moments, tile); };
+    fold_moments_to_originals(m.tiles, t, m.walls.mirrors[mirror], moments_of);
+    fold_moments_on_wall(m.tiles, t, m.walls.mirrors[mirror], moments_of);
     FilterFit<M::Dim>* fits = m.nodes_of(m.fits, t);
-    const FilterMoments<M::Dim>* moments = m.nodes_of(m.moments, t);
+    const FilterMoments<M::Dim>* moments = moments_of(t);
     Quad gained(0.0);
     for (int i = 0; i < M::Layout::n_nodes; ++i) {
       fits[i] = fit_velocity(moments[i], least_mass);

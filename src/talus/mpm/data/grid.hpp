@@ -135,7 +135,8 @@ class Room {
 /// | windows | particles give momentum | nodes have added it up | momentum |
 /// | windows | stresses are updated | nodes have added up forces | forces |
 /// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
-/// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls |
+/// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls, of particles |
+/// | windows, behind those of moments | nodes have added up moments | fits are known | second moments at walls |
 /// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |
 /// | nodes, first quarter | momentum is added up | stresses are updated | momentum |
 /// | nodes, first quarter | forces are added up | particles have moved | forces |
@@ -171,7 +172,7 @@ class Grid {
     tiles_ = std::move(tiles);
     cells_ = std::move(cells);
     make_room_for_nodes(4 * sizeof(MassMomentum));
-    make_room_for_windows(sizeof(MassMomentum));
+    make_room_for_windows(bytes_of_windows<MassMomentum>());
   }
 
   /// Values of another kind at all nodes, in the room of the nodal arrays, whose values are lost: behind `bytes_before`
@@ -184,14 +185,20 @@ class Grid {
   /// The same for windows.
   template <class Node>
   Windows<Node> in_room_of_windows() {
-    make_room_for_windows(sizeof(Node));
+    make_room_for_windows(bytes_of_windows<Node>());
     return Windows<Node>(windows_.at<Node>(0));
   }
 
-  /// Room for numbers behind the windows of momentum and forces, whose values are lost.
-  double* room_behind_windows(std::size_t n_numbers) {
-    make_room_for_windows(sizeof(MassMomentum), n_numbers * sizeof(double));
-    return windows_.at<double>(sizeof(MassMomentum) * cells_.size() * Layout::n_window);
+  /// Bytes that windows of these nodes take.
+  template <class Node>
+  std::size_t bytes_of_windows() const {
+    return sizeof(Node) * cells_.size() * Layout::n_window;
+  }
+  /// Room for values behind so many bytes of windows, whose values are lost.
+  template <class Value>
+  Value* room_behind_windows(std::size_t bytes_before, std::size_t n_values) {
+    make_room_for_windows(bytes_before + n_values * sizeof(Value));
+    return windows_.at<Value>(bytes_before);
   }
 
   /// Bytes held.
@@ -210,8 +217,8 @@ class Grid {
     place(acceleration, 2);
     place(new_velocity, 3);
   }
-  void make_room_for_windows(std::size_t bytes_a_node, std::size_t bytes_behind = 0) {
-    windows_.enlarge(bytes_a_node * cells_.size() * Layout::n_window + bytes_behind);
+  void make_room_for_windows(std::size_t bytes) {
+    windows_.enlarge(bytes);
     momentum_windows = Windows<MassMomentum>(windows_.at<MassMomentum>(0));
     force_windows = Windows<ForceStiffness>(windows_.at<ForceStiffness>(0));
   }

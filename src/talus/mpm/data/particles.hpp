@@ -2,7 +2,9 @@
 /// The material points of one body.
 
 #include <array>
+#include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -33,14 +35,13 @@ enum class ParticleField {
   velocity,
   mass,
   reference_volume,
-  id,
+  ids,
   state,
   velocity_moment,
   velocity_gradient,
   loaded_area,
   wave_modulus,
-  extent,
-  ancestor
+  extent
 };
 
 /// List of all fields of a particle, in the order of `ParticleField`. Storage, sorting, migration, restart,
@@ -56,7 +57,7 @@ inline constexpr ParticleFieldInfo particle_fields[] = {
      [](int, const ParticleMemory&) { return 1; }},
     {"reference_volume", "[m3] at specific volume 1: the volume of the grains, or that at the start",
      [](int, const ParticleMemory&) { return 1; }},
-    {"id", "number from 0 in the order of creation", [](int, const ParticleMemory&) { return 1; }},
+    {"ids", "`ParticleIds` in the bits of a number", [](int, const ParticleMemory&) { return 1; }},
     {"state", "what the law remembers", [](int, const ParticleMemory& m) { return m.n_state; }},
     {"velocity_moment", "sum N_I v_I (x_I - x)^T [m2/s], row by row",
      [](int dim, const ParticleMemory& m) { return m.moment ? dim * dim : 0; }},
@@ -66,8 +67,6 @@ inline constexpr ParticleFieldInfo particle_fields[] = {
     {"wave_modulus", "volume times K + 4/3 G [J]", [](int, const ParticleMemory& m) { return m.modulus ? 1 : 0; }},
     {"extent", "squared edges of the material it stands for [m2]: xx, yy(, zz), xy(, yz, zx), two floats in a number",
      [](int dim, const ParticleMemory& m) { return m.extent ? (dim * (dim + 1) / 2 + 1) / 2 : 0; }},
-    {"ancestor", "id of the particle of the start that it, or the larger part of it, was split from",
-     [](int, const ParticleMemory& m) { return m.extent ? 1 : 0; }},
 };
 inline constexpr int n_particle_fields = std::size(particle_fields);
 
@@ -81,6 +80,13 @@ struct ParticleLayout {
   TALUS_HD int begin(ParticleField f) const { return first[int(f)]; }
   TALUS_HD int components(ParticleField f) const { return first[int(f) + 1] - first[int(f)]; }
   int n_columns() const { return first.back(); }
+};
+
+/// What tells a particle: `id` in the order of creation from 0 on, `ancestor` the id of the particle of the start that it, or
+/// the larger part of it, was split from.
+struct ParticleIds {
+  static constexpr long most = std::numeric_limits<std::uint32_t>::max();
+  std::uint32_t id, ancestor;
 };
 
 /// Positions of four particles, one pack for each axis.
@@ -99,7 +105,7 @@ struct ParticlesView {
   TALUS_HD double* velocity(int axis) const { return column(ParticleField::velocity, axis); }
   TALUS_HD double* mass() const { return column(ParticleField::mass); }
   TALUS_HD double* reference_volume() const { return column(ParticleField::reference_volume); }
-  TALUS_HD double* id() const { return column(ParticleField::id); }
+  TALUS_HD ParticleIds ids(int i) const { return std::bit_cast<ParticleIds>(column(ParticleField::ids)[i]); }
   TALUS_HD double* state(int number) const { return column(ParticleField::state, number); }
   /// Component a of the variation of velocity along axis b around the particle: its moment or gradient, depending on
   /// the transfer.
@@ -108,7 +114,6 @@ struct ParticlesView {
   TALUS_HD double* loaded_area(int load) const { return column(ParticleField::loaded_area, load); }
   TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
   TALUS_HD double* extent(int pair) const { return column(ParticleField::extent, pair); }
-  TALUS_HD double* ancestor() const { return column(ParticleField::ancestor); }
 
   /// Positions of `count` particles from `first` on, at most four [m], one pack for each axis.
   TALUS_HD FourPlaces<Dim> places(int first, int count) const {
@@ -151,8 +156,17 @@ class Particles {
   const double* mass() const { return view().mass(); }
   double* reference_volume() { return view().reference_volume(); }
   const double* reference_volume() const { return view().reference_volume(); }
-  double* id() { return view().id(); }
-  const double* id() const { return view().id(); }
+  long id(int i) const { return view().ids(i).id; }
+  long ancestor(int i) const { return view().ids(i).ancestor; }
+  /// Throws std::length_error if one is larger than `ParticleIds::most`.
+  void set_ids(int i, long id, long ancestor) {
+    if (id > ParticleIds::most || ancestor > ParticleIds::most)
+      throw std::length_error("a run has more than " + std::to_string(ParticleIds::most) + " particles");
+    view().column(ParticleField::ids)[i] =
+        std::bit_cast<double>(ParticleIds{std::uint32_t(id), std::uint32_t(ancestor)});
+  }
+  /// Of a particle of the start.
+  void set_id(int i, long id) { set_ids(i, id, id); }
   double* state(int number) { return view().state(number); }
   const double* state(int number) const { return view().state(number); }
   double* affine(int a, int b) { return view().affine(a, b); }
@@ -163,8 +177,6 @@ class Particles {
   const double* wave_modulus() const { return view().wave_modulus(); }
   double* extent(int pair) { return view().extent(pair); }
   const double* extent(int pair) const { return view().extent(pair); }
-  double* ancestor() { return view().ancestor(); }
-  const double* ancestor() const { return view().ancestor(); }
 
  private:
   ParticleMemory memory_;

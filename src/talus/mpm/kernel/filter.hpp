@@ -36,7 +36,7 @@ struct alignas(64) EightMoments {
 /// lane 3, of 1; of x_a v and x_a, for each axis; of x_a x_b, for each pair.
 template <int Dim>
 struct FilterMoments {
-  static constexpr int n_quads = Dim == 2 ? 4 : 6, n_octets = n_quads / 2;
+  static constexpr int n_quads = Dim == 2 ? 4 : 6, n_octets = n_quads / 2, first_quad = 0;
   FourMoments quads[n_quads];
 
   TALUS_HD Quad zeroth() const { return load_node(quads[0]); }
@@ -59,26 +59,49 @@ struct FilterMoments {
     const int k = 4 * (quad - 1 - Dim) + lane;
     return (pair(k, 0) == axis) + (pair(k, 1) == axis);
   }
-  /// The same for an image whose velocities have these factors.
-  TALUS_HD FilterMoments mirrored(int axis, Quad factors) const {
-    FilterMoments m = *this;
-    for (int q = 0; q < n_quads; ++q) {
-      if (q <= Dim) store_node(m.quads[q], load_node(m.quads[q]) * factors);
-      for (int lane = 0; lane < 4; ++lane)
-        if (power(q, lane, axis) == 1) m.quads[q].sums[lane] = -m.quads[q].sums[lane];
-    }
-    return m;
-  }
-  TALUS_HD FilterMoments& operator+=(const FilterMoments& other) {
-    for (int q = 0; q < n_quads; ++q) store_node(quads[q], load_node(quads[q]) + load_node(other.quads[q]));
-    return *this;
-  }
-  TALUS_HD FilterMoments halved() const {
-    FilterMoments m = *this;
-    for (FourMoments& q : m.quads) store_node(q, load_node(q) * Quad(0.5));
-    return m;
-  }
 };
+/// Of these the ones with velocities, and the others, which are known last.
+template <int Dim>
+struct FirstMoments {
+  static constexpr int n_quads = 1 + Dim, first_quad = 0;
+  FourMoments quads[n_quads];
+};
+template <int Dim>
+struct SecondMoments {
+  static constexpr int first_quad = 1 + Dim, n_quads = FilterMoments<Dim>::n_quads - first_quad;
+  FourMoments quads[n_quads];
+};
+template <int Dim>
+TALUS_HD FilterMoments<Dim> all_moments(const FirstMoments<Dim>& first, const SecondMoments<Dim>& second) {
+  FilterMoments<Dim> m;
+  for (int q = 0; q < FilterMoments<Dim>::n_quads; ++q)
+    copy_node(q <= Dim ? first.quads[q] : second.quads[q - 1 - Dim], m.quads[q]);
+  return m;
+}
+
+/// Moments of an image whose velocities have these factors.
+template <int Dim, template <int> class Moments>
+TALUS_HD Moments<Dim> mirrored(Moments<Dim> m, int axis, Quad factors) {
+  for (int q = 0; q < Moments<Dim>::n_quads; ++q) {
+    const int quad = Moments<Dim>::first_quad + q;
+    if (quad <= Dim) store_node(m.quads[q], load_node(m.quads[q]) * factors);
+    for (int lane = 0; lane < 4; ++lane)
+      if (FilterMoments<Dim>::power(quad, lane, axis) == 1) m.quads[q].sums[lane] = -m.quads[q].sums[lane];
+  }
+  return m;
+}
+template <int Dim, template <int> class Moments>
+TALUS_HD Moments<Dim> sum_of(const Moments<Dim>& one, const Moments<Dim>& other) {
+  Moments<Dim> sum;
+  for (int q = 0; q < Moments<Dim>::n_quads; ++q)
+    store_node(sum.quads[q], load_node(one.quads[q]) + load_node(other.quads[q]));
+  return sum;
+}
+template <int Dim, template <int> class Moments>
+TALUS_HD Moments<Dim> half_of(Moments<Dim> m) {
+  for (FourMoments& q : m.quads) store_node(q, load_node(q) * Quad(0.5));
+  return m;
+}
 
 /// The velocity at + sum x_a slope_a around a node.
 template <int Dim>
@@ -93,22 +116,13 @@ struct FilterFit {
   }
 };
 
-/// A fit in the place of the moments it was made from.
-template <int Dim>
-struct FitInPlace {
-  FilterFit<Dim> fit;
-  FourMoments unused[FilterMoments<Dim>::n_quads - 1 - Dim];
-
-  TALUS_HD FitInPlace mirrored(int axis, Quad factors) const { return {fit.mirrored(axis, factors), {}}; }
-};
-
 /// Of the moments around a node those that tell the momentum of the particles under any affine velocity.
 template <int Dim>
 struct MomentumMoments {
   FourMoments zeroth_, mass_at_;
 
-  TALUS_HD explicit MomentumMoments(const FilterMoments<Dim>& m) : zeroth_(m.quads[0]), mass_at_{} {
-    for (int a = 0; a < Dim; ++a) mass_at_.sums[a] = m.mass_at(a);
+  TALUS_HD explicit MomentumMoments(const FirstMoments<Dim>& m) : zeroth_(m.quads[0]), mass_at_{} {
+    for (int a = 0; a < Dim; ++a) mass_at_.sums[a] = m.quads[1 + a].sums[3];
   }
   TALUS_HD Quad zeroth() const { return load_node(zeroth_); }
   TALUS_HD double mass() const { return zeroth_.sums[3]; }
@@ -327,28 +341,24 @@ TALUS_HD void filter_velocities(const TilePoints<Dim, Shape>& points, const Doma
   }
 }
 
-/// Adds the moments at images to the nodes of a tile that are their originals; walls that continue mirror nothing.
-template <int Dim>
-TALUS_HD void fold_moments_to_originals(const Tile<Dim>* tiles, int t, const Mirror& m, FilterMoments<Dim>* moments) {
-  constexpr int n = power(tile_edge, Dim);
+/// Adds the moments at images to the nodes of a tile that are their originals; walls that continue mirror nothing. `of(t)`:
+/// those of the nodes of tile t.
+template <int Dim, class MomentsOf>
+TALUS_HD void fold_moments_to_originals(const Tile<Dim>* tiles, int t, const Mirror& m, MomentsOf of) {
   for_each_partner(tiles[t], m.axis, m.original, m.image, [&](int own, int other, int theirs) {
-    moments[std::size_t(t) * n + own] += moments[std::size_t(other) * n + theirs].mirrored(m.axis, m.factors);
+    of(t)[own] = sum_of(of(t)[own], mirrored(of(other)[theirs], m.axis, m.factors));
   });
 }
 /// Leaves to the nodes of a tile on the wall what a mirror does not change.
-template <int Dim>
-TALUS_HD void fold_moments_on_wall(const Tile<Dim>* tiles, int t, const Mirror& m, FilterMoments<Dim>* moments) {
-  constexpr int n = power(tile_edge, Dim);
+template <int Dim, class MomentsOf>
+TALUS_HD void fold_moments_on_wall(const Tile<Dim>* tiles, int t, const Mirror& m, MomentsOf of) {
   for_each_partner(tiles[t], m.axis, m.wall, m.wall, [&](int own, int, int) {
-    FilterMoments<Dim>& at = moments[std::size_t(t) * n + own];
-    FilterMoments<Dim> both = at;
-    both += both.mirrored(m.axis, m.factors);
-    at = both.halved();
+    of(t)[own] = half_of(sum_of(of(t)[own], mirrored(of(t)[own], m.axis, m.factors)));
   });
 }
 /// Sets the fits of a tile's images from those of their originals.
-template <int Dim, class Fit>
-TALUS_HD void extend_fits(const Tile<Dim>* tiles, int t, const Mirror& m, Fit* fits) {
+template <int Dim>
+TALUS_HD void extend_fits(const Tile<Dim>* tiles, int t, const Mirror& m, FilterFit<Dim>* fits) {
   constexpr int n = power(tile_edge, Dim);
   for_each_partner(tiles[t], m.axis, m.image, m.original, [&](int own, int other, int theirs) {
     fits[std::size_t(t) * n + own] = fits[std::size_t(other) * n + theirs].mirrored(m.axis, m.factors);

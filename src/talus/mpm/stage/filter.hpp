@@ -26,25 +26,7 @@ class VelocityFilter {
   /// Leaves `share` of what is to be left out. Then particles have given their momentum to their windows anew.
   FilterCost apply(Model<Dim, Shape>& m, const StepInput& step, double share) {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
-    find_moments(m);
-    const SumsByTile contacts = m.over_tiles([&](int t, int, TileSums& sums) {
-      if (!m.needs_nodes(t)) return;
-      FilterMoments<Dim> moments[Layout::n_nodes];
-      std::copy_n(moments_.of(t), Layout::n_nodes, moments);
-      for (int i = 0; i < Layout::n_nodes; ++i)
-        fits_.of(t)[i] = FitInPlace<Dim>{fit_velocity(moments[i], step.least_mass), {}};
-      for (NodeContact& c : m.contacts_of(t)) {
-        c.impulse = {};
-        if (!c.holds) continue;
-        const FilterMoments<Dim>& around = moments[c.node];
-        const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node].fit);
-        c.pressed = dot(impulse, c.normal) / around.mass();
-        c.impulse = impulse;
-        sums[Sum::wall_work] += dot(impulse, c.velocity);
-        if (!m.walls->near_wall(t)) sums.add(Sum::wall_impulse, impulse);
-      }
-      add_impulses_of_contacts(m, t);
-    });
+    const SumsByTile contacts = find_fits(m, step, share);
     m.walls->extend(m.backend, fits_.data());
     const SumsByTile particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
       if (m.walls->near_wall(t)) {
@@ -54,8 +36,7 @@ class VelocityFilter {
       if (!m.has_particles(t)) return;
       FilterFit<Dim> fits[Layout::n_window];
       for_each_in_window<Dim, Shape>(
-          m.grid.tile(t), [&](std::size_t node, int w) { fits[w] = fits_.data()[node].fit; },
-          [&](int w) { fits[w] = {}; });
+          m.grid.tile(t), [&](std::size_t node, int w) { fits[w] = fits_.data()[node]; }, [&](int w) { fits[w] = {}; });
       if (!m.is_left_out(t))
         m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
       add_up_particles_of_tile(m, t, sums);
@@ -66,23 +47,46 @@ class VelocityFilter {
   }
 
  private:
-  void find_moments(Model<Dim, Shape>& m) {
-    moments_ = m.grid.template in_room_of_nodes<FilterMoments<Dim>>();
-    fits_ = m.grid.template in_room_of_nodes<FitInPlace<Dim>>();
-    windows_ = m.grid.template in_room_of_windows<EightMoments>();
-    [&]<int... octets>(std::integer_sequence<int, octets...>) { (find_octet<octets>(m), ...); }
-    (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
-    constexpr std::size_t numbers = sizeof(MomentumMoments<Dim>) / sizeof(double);
-    from_particles_ = reinterpret_cast<MomentumMoments<Dim>*>(
-        m.grid.room_behind_windows(numbers * Layout::n_nodes * std::size_t(m.walls->n_near_walls())));
-    m.walls->for_each_tile(m.backend, [&](int t) {
-      for (int i = 0; i < Layout::n_nodes; ++i) from_particles(m, t)[i] = MomentumMoments<Dim>(moments_.of(t)[i]);
+  /// Fits around all nodes that this owner needs: away from walls at once when the last moments are known. Returns the energy
+  /// terms of contacts.
+  SumsByTile find_fits(Model<Dim, Shape>& m, const StepInput& step, double share) {
+    make_room(m);
+    constexpr int last = FilterMoments<Dim>::n_octets - 1;
+    [&]<int... octets>(std::integer_sequence<int, octets...>) {
+      (find_octet<octets>(m, [](int, const SecondMoments<Dim>*) {}), ...);
+    }
+    (std::make_integer_sequence<int, last>());
+    SumsByTile sums(std::size_t(m.grid.n_tiles()));
+    find_octet<last>(m, [&](int t, const SecondMoments<Dim>* second) {
+      if (m.walls->near_wall(t))
+        std::copy_n(second, Layout::n_nodes, second_of(m, t));
+      else
+        fit(m, step, share, t, second, sums[std::size_t(t)]);
     });
-    m.walls->fold(m.backend, moments_.data());
+    m.walls->for_each_tile(m.backend, [&](int t) {
+      for (int i = 0; i < Layout::n_nodes; ++i) from_particles(m, t)[i] = MomentumMoments<Dim>(first_.of(t)[i]);
+    });
+    m.walls->fold_moments(m.backend, [&](int t) { return first_.of(t); });
+    m.walls->fold_moments(m.backend, [&](int t) { return second_of(m, t); });
+    m.walls->for_each_tile(m.backend, [&](int t) { fit(m, step, share, t, second_of(m, t), sums[std::size_t(t)]); });
+    return sums;
   }
-  /// Eight of the moments of all nodes.
-  template <int octet>
-  void find_octet(Model<Dim, Shape>& m) {
+  void make_room(Model<Dim, Shape>& m) {
+    static_assert(sizeof(FilterFit<Dim>) == sizeof(FirstMoments<Dim>), "fits stand in the place of moments");
+    first_ = m.grid.template in_room_of_nodes<FirstMoments<Dim>>();
+    fits_ = m.grid.template in_room_of_nodes<FilterFit<Dim>>();
+    // Of nodes near walls: the second moments follow the windows of moments, what particles have made those of momentum.
+    const std::size_t n = Layout::n_nodes * std::size_t(m.walls->n_near_walls()),
+                      momentum = m.grid.template bytes_of_windows<MassMomentum>(),
+                      moments = m.grid.template bytes_of_windows<EightMoments>();
+    second_ = m.grid.template room_behind_windows<SecondMoments<Dim>>(
+        std::max(moments, momentum + n * sizeof(MomentumMoments<Dim>)), n);
+    from_particles_ = m.grid.template room_behind_windows<MomentumMoments<Dim>>(momentum, n);
+    windows_ = m.grid.template in_room_of_windows<EightMoments>();
+  }
+  /// Eight of the moments of all nodes; `take(t, second)` gets those of pairs of axes.
+  template <int octet, class Take>
+  void find_octet(Model<Dim, Shape>& m, Take take) {
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
       if (!m.has_particles(t)) return;
       clear_window<Dim, Shape>(windows_.of(t));
@@ -93,10 +97,38 @@ class VelocityFilter {
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
       if (!m.needs_nodes(t)) return;
       EightMoments sums[Layout::n_nodes];
+      SecondMoments<Dim> second[Layout::n_nodes];
       add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), sums);
       for (int i = 0; i < Layout::n_nodes; ++i)
-        for (int half : {0, 1}) moments_.of(t)[i].quads[2 * octet + half] = sums[i].quads[half];
+        for (int half : {0, 1}) {
+          const int quad = 2 * octet + half;
+          (quad <= Dim ? first_.of(t)[i].quads[quad] : second[i].quads[quad - 1 - Dim]) = sums[i].quads[half];
+        }
+      take(t, second);
     });
+  }
+  /// Fits around the nodes of a tile, in the place of moments; contacts hold them.
+  void fit(Model<Dim, Shape>& m, const StepInput& step, double share, int t, const SecondMoments<Dim>* second,
+           TileSums& sums) {
+    FilterMoments<Dim> moments[Layout::n_nodes];
+    for (int i = 0; i < Layout::n_nodes; ++i) {
+      moments[i] = all_moments(first_.of(t)[i], second[i]);
+      fits_.of(t)[i] = fit_velocity(moments[i], step.least_mass);
+    }
+    for (NodeContact& c : m.contacts_of(t)) {
+      c.impulse = {};
+      if (!c.holds) continue;
+      const FilterMoments<Dim>& around = moments[c.node];
+      const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node]);
+      c.pressed = dot(impulse, c.normal) / around.mass();
+      c.impulse = impulse;
+      sums[Sum::wall_work] += dot(impulse, c.velocity);
+      if (!m.walls->near_wall(t)) sums.add(Sum::wall_impulse, impulse);
+    }
+    add_impulses_of_contacts(m, t);
+  }
+  SecondMoments<Dim>* second_of(const Model<Dim, Shape>& m, int t) const {
+    return second_ + std::size_t(m.walls->number_near_walls(t)) * Layout::n_nodes;
   }
   /// The moments of a tile near a wall as particles have made them.
   MomentumMoments<Dim>* from_particles(const Model<Dim, Shape>& m, int t) const {
@@ -106,7 +138,7 @@ class VelocityFilter {
   Vec<3> gain_of(const Model<Dim, Shape>& m, int t) const {
     Quad gained(0.0);
     const MomentumMoments<Dim>* particles = from_particles(m, t);
-    for (int i = 0; i < Layout::n_nodes; ++i) gained = momentum_gained(particles[i], fits_.of(t)[i].fit, gained);
+    for (int i = 0; i < Layout::n_nodes; ++i) gained = momentum_gained(particles[i], fits_.of(t)[i], gained);
     return vector_of(gained);
   }
 
@@ -115,7 +147,7 @@ class VelocityFilter {
     const MomentumMoments<Dim>* particles = from_particles(m, t);
     Quad gained[Layout::n_nodes];
     for (int i = 0; i < Layout::n_nodes; ++i)
-      gained[i] = Quad(share) * momentum_gained(particles[i], fits_.of(t)[i].fit, Quad(0.0));
+      gained[i] = Quad(share) * momentum_gained(particles[i], fits_.of(t)[i], Quad(0.0));
     for (const NodeContact& c : m.contacts_of(t)) gained[c.node] -= quad_of(c.impulse);
     Vec<3> of_sides[2 * Dim] = {};
     for (int i = 0; i < Layout::n_nodes; ++i)
@@ -123,10 +155,12 @@ class VelocityFilter {
     add_to_sides(m, t, 1, of_sides);
   }
 
-  typename Grid<Dim, Shape>::template Nodes<FilterMoments<Dim>> moments_;  ///< images given to their originals
-  typename Grid<Dim, Shape>::template Nodes<FitInPlace<Dim>> fits_;
+  typename Grid<Dim, Shape>::template Nodes<FirstMoments<Dim>> first_;  ///< images given to their originals
+  typename Grid<Dim, Shape>::template Nodes<FilterFit<Dim>> fits_;      ///< in the place of `first_`
   typename Grid<Dim, Shape>::template Windows<EightMoments> windows_;
-  MomentumMoments<Dim>* from_particles_ = nullptr;  ///< of the nodes of tiles near walls, behind the windows
+  // Of the nodes of tiles near walls.
+  SecondMoments<Dim>* second_ = nullptr;            ///< images given to their originals
+  MomentumMoments<Dim>* from_particles_ = nullptr;  ///< as particles have made them
 };
 
 }  // namespace talus

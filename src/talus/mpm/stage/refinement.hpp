@@ -57,7 +57,7 @@ class ParticleRefinement {
     };
     cost.n_split = total([](const Plan& p) { return p.splits.size(); });
     cost.n_merged = total([](const Plan& p) { return p.mergers.size(); });
-    if (m.n_particles + cost.n_split - cost.n_merged > m.most_particles) {
+    if (m.n_particles + cost.n_split - cost.n_merged > m.most_particles || n_ids + cost.n_split > ParticleIds::most) {
       cost.n_split = 0;
       for (auto& of_body : plans)
         for (Plan& p : of_body) p.splits.clear();
@@ -188,7 +188,7 @@ class ParticleRefinement {
     p.columns().take(rows);
     for (const auto& [row, split, id] : added) {
       for (int a = 0; a < Dim; ++a) p.position(a)[row] -= 2 * split->offset[a];
-      p.id()[row] = double(id);
+      p.set_ids(row, id, p.ancestor(row));
     }
   }
 

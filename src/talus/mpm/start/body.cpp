@@ -60,12 +60,11 @@ void set_particles(Particles<Dim>& p, const Law& law, const Case& case_, const B
     }
     p.mass()[i] = density * volumes[i];
     p.reference_volume()[i] = volumes[i] / law.specific_volume(at_rest);
-    p.id()[i] = double(first_id + first + i);
+    p.set_id(i, first_id + first + i);
     set_state<Law>(p, i, at_rest);
     if (p.memory().extent) {
       const double edge = width_at_start(spec, volumes[i], Dim);
       set_extent(p, i, SymTensor<double>::isotropic(edge * edge));
-      p.ancestor()[i] = double(first_id + first + i);
     }
     if (p.memory().modulus)
       p.wave_modulus()[i] = volumes[i] * stiffness_at_rest(law, at_rest, case_.numerics.integration);
