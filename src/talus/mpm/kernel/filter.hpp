@@ -60,7 +60,7 @@ struct FilterMoments {
     return (pair(k, 0) == axis) + (pair(k, 1) == axis);
   }
 };
-/// Of these the ones with velocities, and the others, which are known last.
+/// Of these the ones with velocities, in whose place their fit goes, and the others, which are known last.
 template <int Dim>
 struct FirstMoments {
   static constexpr int n_quads = 1 + Dim, first_quad = 0;

@@ -84,7 +84,7 @@ class VelocityFilter {
     from_particles_ = m.grid.template room_behind_windows<MomentumMoments<Dim>>(momentum, n);
     windows_ = m.grid.template in_room_of_windows<EightMoments>();
   }
-  /// Eight of the moments of all nodes; `take(t, second)` gets those of pairs of axes.
+  /// Eight of the moments of all nodes. `take(t, second)` gets the second ones of a tile's nodes, if they are among them.
   template <int octet, class Take>
   void find_octet(Model<Dim, Shape>& m, Take take) {
     m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
@@ -127,6 +127,7 @@ class VelocityFilter {
     }
     add_impulses_of_contacts(m, t);
   }
+  /// The second moments of a tile near a wall.
   SecondMoments<Dim>* second_of(const Model<Dim, Shape>& m, int t) const {
     return second_ + std::size_t(m.walls->number_near_walls(t)) * Layout::n_nodes;
   }
