@@ -26,7 +26,7 @@ struct Corner {
 
   explicit Corner(const std::array<Wall, 4>& sides) : walls({{0, 0}, 1, {8, 8}, sides}, tiles_at<2, Shape>({{0, 0}})) {
     grid.set_tiles(tiles_at<2, Shape>({{0, 0}}), {all_cells<2>()});
-    walls.rest_on(grid.tiles());
+    walls.rest_on(grid.tiles(), {0, grid.n_tiles()});
   }
 
   /// What walls leave of the velocities that `at` gives, images included, in the window of the first tile.

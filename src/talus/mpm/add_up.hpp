@@ -84,16 +84,31 @@ class Readers {
 
 inline constexpr std::size_t numbers_of_sums = sizeof(TileSums) / sizeof(double);
 
-/// If one owner has all tiles.
-inline TileSums sum_of_tiles(const SumsByTile& parts) {
-  TileSums total;
-  for_each_block(parts.size(), [&](std::size_t first, std::size_t end) {
-    TileSums block;
-    for (std::size_t t = first; t < end; ++t) block.add(parts[t]);
-    total.add(block);
-  });
-  return total;
-}
+/// If one owner has all tiles: threads add up blocks, then one thread what these have.
+class SumOfTiles {
+ public:
+  explicit SumOfTiles(const SumsByTile& parts)
+      : parts_(parts), blocks_((parts.size() + AddingOrder::block - 1) / AddingOrder::block) {}
+
+  int n_blocks() const { return int(blocks_.size()); }
+  void add_up_block(int block) {
+    const std::size_t first = std::size_t(block) * AddingOrder::block;
+    TileSums sums;
+    for (std::size_t t = first; t < std::min(first + AddingOrder::block, parts_.size()); ++t) sums.add(parts_[t]);
+    blocks_[std::size_t(block)] = sums;
+  }
+  TileSums total() const {
+    TileSums total;
+    for (const TileSums& block : blocks_) total.add(block);
+    return total;
+  }
+
+ private:
+  const SumsByTile& parts_;
+  SumsByTile blocks_;
+};
+
+inline SumOfTiles sum_of_own(const SumsByTile& parts) { return SumOfTiles(parts); }
 
 /// What adders receive: how many numbers of a tile, and these.
 constexpr std::size_t numbers_for_adder(const SumsByTile&) { return numbers_of_sums; }
@@ -158,12 +173,23 @@ inline TileSums sum_of_messages(const SumsByTile&, const AddingOrder& order, con
 
 // ---- accounts of surfaces, by number, up to the last one in use. Tiles are added up one by one: only some have accounts.
 
-inline std::vector<SurfaceAccount> sum_of_tiles(const AccountsByTile& parts) {
-  std::vector<SurfaceAccount> total;
-  for (const TileAccounts& part : parts)
-    for (const TileAccount& account : part.all()) add_to(total, account);
-  return total;
-}
+class SumOfAccounts {
+ public:
+  explicit SumOfAccounts(const AccountsByTile& parts) : parts_(parts) {}
+
+  int n_blocks() const { return 0; }
+  void add_up_block(int) {}
+  std::vector<SurfaceAccount> total() const {
+    std::vector<SurfaceAccount> total;
+    for (const TileAccounts& part : parts_)
+      for (const TileAccount& account : part.all()) add_to(total, account);
+    return total;
+  }
+
+ private:
+  const AccountsByTile& parts_;
+};
+inline SumOfAccounts sum_of_own(const AccountsByTile& parts) { return SumOfAccounts(parts); }
 
 constexpr std::size_t numbers_for_adder(const AccountsByTile&) { return 0; }
 inline void append_for_adders(std::vector<Message>&, const AccountsByTile&, const AddingOrder&) {}
@@ -200,7 +226,15 @@ inline std::vector<SurfaceAccount> sum_of_messages(const AccountsByTile&, const 
 /// other, once for all parts. Returns a tuple of the sums.
 template <class... Parts>
 auto add_up(Backend& backend, const AddingOrder& order, const Parts&... parts) {
-  if (backend.n_owners() == 1) return std::tuple{sum_of_tiles(parts)...};
+  if (backend.n_owners() == 1) {
+    std::tuple sums{sum_of_own(parts)...};
+    return std::apply(
+        [&](auto&... of_part) {
+          backend.for_each(std::max({of_part.n_blocks()...}), [&](int b, int) { (of_part.add_up_block(b), ...); });
+          return std::tuple{of_part.total()...};
+        },
+        sums);
+  }
   std::vector<Message> for_adders(order.sends.size());
   (append_for_adders(for_adders, parts, order), ...);
   std::vector<std::size_t> sizes;

@@ -144,11 +144,11 @@ void deal_out_tiles(Model<Dim, Shape>& m) {
   std::iota(all.begin(), all.end(), 0);
   m.shares = deal_out(m, all);
   if (m.backend.n_owners() == 1) return;
-  m.border.tiles = tiles_to_send(m.halo);
-  m.inside.tiles.clear();
-  std::set_difference(all.begin(), all.end(), m.border.tiles.begin(), m.border.tiles.end(),
-                      std::back_inserter(m.inside.tiles));
-  for (TileLoop* loop : {&m.border, &m.inside}) loop->shares = deal_out(m, loop->tiles);
+  m.border.numbers = tiles_to_send(m.halo);
+  m.inside.numbers.clear();
+  std::set_difference(all.begin(), all.end(), m.border.numbers.begin(), m.border.numbers.end(),
+                      std::back_inserter(m.inside.numbers));
+  for (SharedOut* loop : {&m.border, &m.inside}) loop->shares = deal_out(m, loop->numbers);
 }
 
 /// Sets up the grid for the particles of this owner, which are in the order of cells. `tiles` of the bodies are ranges
@@ -168,7 +168,6 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   }
   m.walls.emplace(m.domain, tiles);
   m.grid.set_tiles(std::move(tiles), std::move(run.cells));
-  m.walls->rest_on(m.grid.tiles());
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
   m.rests.assign(m.lets_ground_rest() ? std::size_t(m.grid.n_tiles()) : 0, {});
   m.accounts.assign(std::size_t(m.grid.n_tiles()), {});
@@ -178,6 +177,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   }
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);
+  m.walls->rest_on(m.grid.tiles(), m.shares);
 }
 
 /// Cost of the nodes of a tile in a step, without its particles.

@@ -5,6 +5,7 @@
 /// steps at the same time. Each of the functions for owners below is a point of synchronisation. A single owner, the
 /// usual case, has none.
 
+#include <algorithm>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -14,6 +15,19 @@ namespace talus {
 /// Division of the numbers from 0 on: worker w starts with those from shares[w] up to shares[w + 1], so that the data
 /// of successive loops stay in its cache. A worker that has finished helps the others.
 using Shares = std::vector<int>;
+
+/// Some of these numbers, in increasing order, and how they are dealt out.
+struct SharedOut {
+  std::vector<int> numbers;
+  Shares shares;
+};
+/// Each worker has the same numbers as in `shares`, as far as they are among `some`.
+inline Shares shares_of_some(const std::vector<int>& some, const Shares& shares) {
+  Shares of_some;
+  for (const int first : shares)
+    of_some.push_back(int(std::lower_bound(some.begin(), some.end(), first) - some.begin()));
+  return of_some;
+}
 
 /// Message of one owner to another.
 using Message = std::vector<double>;

@@ -84,12 +84,6 @@ struct StressTime {
   double seconds = 0, updates = 0;
 };
 
-/// Some tiles in the order of a loop over them, dealt out to threads.
-struct TileLoop {
-  std::vector<int> tiles;
-  Shares shares;
-};
-
 template <int Dim, class Shape>
 struct Model {
   using Layout = TileLayout<Dim, Shape>;
@@ -132,7 +126,7 @@ struct Model {
   AccountsByTile accounts;                         ///< of this step
   std::vector<TileRest> rests;                     ///< tile by tile; empty without `rest_tolerance`
   Shares shares;                                   ///< the tiles, dealt out to threads
-  TileLoop border, inside;                         ///< with several owners: tiles that others need, and the rest
+  SharedOut border, inside;                        ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                    ///< one a thread
   long n_steps_in_order = 0;                       ///< since particles were put in order
   std::vector<double> costs;                       ///< of a particle in a step, tile by tile [ns]; with several owners
@@ -162,7 +156,7 @@ struct Model {
   template <class F>
   SumsByTile over_tiles(F f) {
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    backend.for_each(shares, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)]); });
+    backend.for_each(shares, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
     return sums;
   }
   /// The same for an f that fills windows, unless they are null.
@@ -170,7 +164,7 @@ struct Model {
   SumsByTile over_tiles(const Windows* windows, F f) {
     if (!windows) return over_tiles(f);
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    fill_windows(*windows, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)]); });
+    fill_windows(*windows, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
     return sums;
   }
 
@@ -239,7 +233,8 @@ struct Model {
     backend.for_each(shares, [&](int t, int) {
       const bool needs = needs_nodes(t);
       if (of_all || needs) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
-      if (needs && !walls->near_wall(t)) f(t, sums[std::size_t(t)]);
+      TileSums& of_tile = sums[std::size_t(t)] = {};
+      if (needs && !walls->near_wall(t)) f(t, of_tile);
     });
     walls->fold(backend, nodes.data());
     walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });
@@ -252,8 +247,8 @@ struct Model {
 
  private:
   template <class F>
-  void for_each_of(const TileLoop& loop, F& f) {
-    backend.for_each(loop.shares, [&](int i, int worker) { f(loop.tiles[std::size_t(i)], worker); });
+  void for_each_of(const SharedOut& loop, F& f) {
+    backend.for_each(loop.shares, [&](int i, int worker) { f(loop.numbers[std::size_t(i)], worker); });
   }
 };
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "talus/math/vec.hpp"
@@ -76,7 +78,21 @@ struct TileSums {
   }
 };
 
-/// Of a stage, for each tile that an owner holds.
-using SumsByTile = std::vector<TileSums>;
+/// Allocates elements that are left unset unless they are given a value.
+template <class T>
+struct LeftUnset : std::allocator<T> {
+  template <class U>
+  struct rebind {
+    using other = LeftUnset<U>;
+  };
+  template <class... Values>
+  void construct(T* at, Values&&... values) {
+    if constexpr (sizeof...(Values) > 0) std::construct_at(at, std::forward<Values>(values)...);
+  }
+};
+
+/// Of a stage, for each tile that an owner holds. `SumsByTile(n)` is unset: each thread clears the sums of its own tiles, so that
+/// they are in its cache.
+using SumsByTile = std::vector<TileSums, LeftUnset<TileSums>>;
 
 }  // namespace talus

@@ -17,9 +17,9 @@ class Walls {
     for (int k = 0; k < mirrors_.n; ++k) {
       const Mirror& m = mirrors_.mirrors[std::size_t(k)];
       for (int t = 0; t < int(tiles.size()); ++t) {
-        const auto note = [&](int node, std::vector<int>& held) {
+        const auto note = [&](int node, SharedOut& held) {
           if (!holds(tiles[std::size_t(t)], m.axis, node)) return;
-          held.push_back(t);
+          held.numbers.push_back(t);
           near_wall_[std::size_t(t)] = 0;
         };
         note(m.original, tiles_with_[k].originals);
@@ -29,24 +29,30 @@ class Walls {
     }
     for (int t = 0; t < int(tiles.size()); ++t)
       if (near_wall(t)) {
-        near_wall_[std::size_t(t)] = int(near_walls_.size());
-        near_walls_.push_back(t);
+        near_wall_[std::size_t(t)] = n_near_walls();
+        near_walls_.numbers.push_back(t);
       }
   }
 
-  /// Sets new tiles.
-  void rest_on(const Tile<Dim>* tiles) { tiles_ = tiles; }
+  /// Sets new tiles, and how they are dealt out.
+  void rest_on(const Tile<Dim>* tiles, const Shares& shares) {
+    tiles_ = tiles;
+    const auto deal_out = [&](SharedOut& some) { some.shares = shares_of_some(some.numbers, shares); };
+    deal_out(near_walls_);
+    for (Held& held : tiles_with_)
+      for (SharedOut* some : {&held.originals, &held.walls, &held.images}) deal_out(*some);
+  }
   const Mirrors<Dim>& mirrors() const { return mirrors_; }
   /// Whether a tile has nodes on, behind or beside walls.
   bool near_wall(int t) const { return near_wall_[std::size_t(t)] >= 0; }
   /// How many tiles have such nodes, and which of them one is.
-  int n_near_walls() const { return int(near_walls_.size()); }
+  int n_near_walls() const { return int(near_walls_.numbers.size()); }
   int number_near_walls(int t) const { return near_wall_[std::size_t(t)]; }
 
   /// Calls f(t) for the tiles with nodes on, behind or beside walls.
   template <class F>
   void for_each_tile(Backend& backend, F f) const {
-    backend.for_each(n_near_walls(), [&](int i, int) { f(near_walls_[std::size_t(i)]); });
+    backend.for_each(near_walls_.shares, [&](int i, int) { f(near_walls_.numbers[std::size_t(i)]); });
   }
 
   /// Adds the sums at images to their originals.
@@ -89,7 +95,7 @@ class Walls {
  private:
   /// Tiles with nodes of a mirror.
   struct Held {
-    std::vector<int> originals, walls, images;
+    SharedOut originals, walls, images;
   };
 
   template <class F>
@@ -99,19 +105,19 @@ class Walls {
   /// Calls f(t) for some tiles, which works on their nodes on a plane. Few nodes take one thread less time than it takes all
   /// threads to meet.
   template <class F>
-  static void on(Backend& backend, const std::vector<int>& tiles, F f) {
-    constexpr std::size_t few_nodes = 1024;
-    if (tiles.size() * power(tile_edge, Dim - 1) <= few_nodes)
-      for (const int t : tiles) f(t);
+  static void on(Backend& backend, const SharedOut& tiles, F f) {
+    constexpr std::size_t few_nodes = 256;
+    if (tiles.numbers.size() * power(tile_edge, Dim - 1) <= few_nodes)
+      for (const int t : tiles.numbers) f(t);
     else
-      backend.for_each(int(tiles.size()), [&](int i, int) { f(tiles[std::size_t(i)]); });
+      backend.for_each(tiles.shares, [&](int i, int) { f(tiles.numbers[std::size_t(i)]); });
   }
 
   Mirrors<Dim> mirrors_;
   const Tile<Dim>* tiles_ = nullptr;
   Held tiles_with_[2 * Dim];
-  std::vector<int> near_wall_;   ///< of every tile, its number in `near_walls_`, or -1
-  std::vector<int> near_walls_;  ///< tiles
+  std::vector<int> near_wall_;  ///< of every tile, its number in `near_walls_`, or -1
+  SharedOut near_walls_;        ///< tiles
 };
 
 }  // namespace talus
