@@ -100,7 +100,10 @@ struct Model {
         rooms(box, bodies.front().shape),
         scratch(std::size_t(where.n_workers())) {
     for (double& room : most_room) room *= loosest;
-    for (const auto& body : bodies) n_at_start.push_back(sum_over_owners(where, body.particles.size()));
+    for (const auto& body : bodies) {
+      n_at_start.push_back(sum_over_owners(where, body.particles.size()));
+      mean_masses.push_back(mass_of_all(body.particles, where) / double(std::max(1L, n_at_start.back())));
+    }
     n_particles = std::accumulate(n_at_start.begin(), n_at_start.end(), 0L);
     most_particles = growth * n_particles;
   }
@@ -109,9 +112,10 @@ struct Model {
   Vec<Dim> gravity;
   Numerics numerics;
   std::vector<ShapedBody<Dim, Shape>> bodies;
-  std::vector<long> n_at_start;  ///< particles of the bodies, all owners together
-  long n_particles = 0;          ///< now, all owners together
-  long most_particles = 0;       ///< there may ever be
+  std::vector<long> n_at_start;     ///< particles of the bodies, all owners together
+  std::vector<double> mean_masses;  ///< of a particle of the bodies at the start [kg]
+  long n_particles = 0;             ///< now, all owners together
+  long most_particles = 0;          ///< there may ever be
   Backend& backend;
   std::vector<double> most_room;  ///< that particles of a body need [m3/kg]
   ContactFinder<Dim> contact_finder;

@@ -134,8 +134,10 @@ void add_counts(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain
 }
 
 template <int Dim>
-double most_in_cell_of(double spacing, double h) {
-  return std::max(4 * std::pow(h / spacing, Dim), double(power(4, Dim)));
+MergingRule merging_rule(double spacing, double h, double mean_mass) {
+  constexpr double rounding = 1e-3;  // the parts of one particle have its mass to rounding
+  const double full = std::pow(h / spacing, Dim);
+  return {full, std::max(4 * full, double(power(4, Dim))), (1 + rounding) * mean_mass};
 }
 
 namespace {
@@ -191,7 +193,7 @@ std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body,
   const double h2 = domain.h * domain.h;
   for (int i = range.begin; i < range.end; ++i) {
     const SymTensor<double> S = extent_of(p, i);
-    if (trace(S) < h2) continue;
+    if (trace(S) < h2 || p.mass()[i] < rule.least_mass) continue;
     SymTensor<double> widths = S;
     if (rule.directions == Splitting::across_motion) {
       const Vec<3> v = velocity_of_particle(p, i);
@@ -220,11 +222,18 @@ std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body,
 }
 
 template <int Dim>
-std::vector<Merger> find_mergers(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
-                                 const Tile<Dim>& tile, double most_in_cell, const std::vector<Split>& splits) {
+std::vector<Merger> find_mergers(const MergingRule& rule, const Body<Dim>& body, RowRange range,
+                                 const Domain<Dim>& domain, const Tile<Dim>& tile, const std::vector<Split>& splits) {
   std::vector<Merger> mergers;
-  if (range.size() <= most_in_cell) return mergers;
   const Particles<Dim>& p = body.particles;
+  const auto is_new = [&](int i) { return p.id(i) != p.ancestor(i); };
+  const auto are_parts = [&](int i, int j) {
+    return (is_new(i) || is_new(j)) && p.mass()[i] + p.mass()[j] <= rule.whole_mass;
+  };
+  bool has_parts = false;
+  for (int i = range.begin; i < range.end && !has_parts; ++i) has_parts = is_new(i);
+  const double most_in_cell = has_parts ? rule.full_cell : rule.most;
+  if (range.size() <= most_in_cell) return mergers;
   std::vector<std::vector<int>> cells(std::size_t(power(tile_edge, Dim)));
   auto split = splits.begin();
   for (int i = range.begin; i < range.end; ++i) {
@@ -257,7 +266,7 @@ std::vector<Merger> find_mergers(const Body<Dim>& body, RowRange range, const Do
       std::size_t best = in_cell.size();
       double least = 1;
       for (std::size_t b = a + 1; b < in_cell.size(); ++b) {
-        if (is_taken[b]) continue;
+        if (is_taken[b] || (left <= rule.most && !are_parts(in_cell[a], in_cell[b]))) continue;
         const double u = unlike(in_cell[a], in_cell[b]);
         if (u >= least) continue;
         const Merger pair{in_cell[a], in_cell[b]};
@@ -348,8 +357,8 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
 
 template void add_counts(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>&, double*);
 template void add_counts(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>&, double*);
-template double most_in_cell_of<2>(double, double);
-template double most_in_cell_of<3>(double, double);
+template MergingRule merging_rule<2>(double, double, double);
+template MergingRule merging_rule<3>(double, double, double);
 template SymTensor<double> extent_of(const Particles<2>&, int);
 template SymTensor<double> extent_of(const Particles<3>&, int);
 template void set_extent(Particles<2>&, int, const SymTensor<double>&);
@@ -360,10 +369,10 @@ template std::vector<Split> find_splits(const SplittingRule&, const Body<2>&, Ro
 template std::vector<Split> find_splits(const SplittingRule&, const Body<3>&, RowRange, const Domain<3>&,
                                         const Tile<3>*, int, const CellCounts<3>&,
                                         const std::function<Vec<3>(const Vec<3>&, Vec<3>)>&);
-template std::vector<Merger> find_mergers(const Body<2>&, RowRange, const Domain<2>&, const Tile<2>&, double,
-                                          const std::vector<Split>&);
-template std::vector<Merger> find_mergers(const Body<3>&, RowRange, const Domain<3>&, const Tile<3>&, double,
-                                          const std::vector<Split>&);
+template std::vector<Merger> find_mergers(const MergingRule&, const Body<2>&, RowRange, const Domain<2>&,
+                                          const Tile<2>&, const std::vector<Split>&);
+template std::vector<Merger> find_mergers(const MergingRule&, const Body<3>&, RowRange, const Domain<3>&,
+                                          const Tile<3>&, const std::vector<Split>&);
 template void apply_splits(Body<2>&, const std::vector<Split>&);
 template void apply_splits(Body<3>&, const std::vector<Split>&);
 template double apply_mergers(Body<2>&, const std::vector<Merger>&);

@@ -43,10 +43,15 @@ template <int Dim>
 void add_counts(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Tile<Dim>& tile,
                 double* counts);
 
-/// How many particles of a body a cell may hold before alike ones are merged: four times what fills it at the start,
-/// and at least four along each axis.
+/// When particles of a body are merged. `full_cell`: how many fill a cell at the start.
+struct MergingRule {
+  double full_cell;   ///< more of them, and parts of what was split are joined again
+  double most;        ///< more of them, and any alike ones are: four times as many, and at least four along each axis
+  double whole_mass;  ///< that parts have together at most [kg]
+};
+/// `mean_mass`: of the body's particles at the start [kg].
 template <int Dim>
-double most_in_cell_of(double spacing, double h);
+MergingRule merging_rule(double spacing, double h, double mean_mass);
 
 /// S of a particle [m2]; in 2D zz, yz and zx are 0.
 template <int Dim>
@@ -66,7 +71,12 @@ SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v);
 struct SplittingRule {
   Splitting directions;
   double rest_speed;  ///< of `across_motion`: what rests does not tear
+  /// Lighter particles are not split [kg]: in a flow that never ends, as in a drum, single ones above it are drawn out again and
+  /// again, and nodes throw what has next to no mass.
+  double least_mass;
 };
+/// Parts that a particle of mean mass is split into at most. A cylinder that spreads needs eight all around.
+inline constexpr double most_parts = 64;
 /// Particles of a body in a tile that have to be split. `along(x, offset)` returns what solids and walls leave of an
 /// offset, to both sides.
 template <int Dim>
@@ -74,10 +84,10 @@ std::vector<Split> find_splits(const SplittingRule& rule, const Body<Dim>& body,
                                const Domain<Dim>& domain, const Tile<Dim>* tiles, int t, const CellCounts<Dim>& counts,
                                const std::function<Vec<3>(const Vec<3>& x, Vec<3> offset)>& along);
 
-/// Pairs that have to be merged where a cell of the tile holds more than so many; none of them is split.
+/// Pairs that have to be merged where a cell of the tile holds too many; none of them is split.
 template <int Dim>
-std::vector<Merger> find_mergers(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain,
-                                 const Tile<Dim>& tile, double most_in_cell, const std::vector<Split>& splits);
+std::vector<Merger> find_mergers(const MergingRule& rule, const Body<Dim>& body, RowRange range,
+                                 const Domain<Dim>& domain, const Tile<Dim>& tile, const std::vector<Split>& splits);
 
 /// Gives the particles that are split half of what they had, and their new places.
 template <int Dim>

@@ -88,6 +88,30 @@ TEST(Refinement, SplitsNothingMoreWhenIdsAreUsedUp) {
   EXPECT_EQ(sheet.particles().id(sheet.row(ParticleIds::most - 1)), ParticleIds::most - 1);
 }
 
+TEST(Refinement, MakesNoMoreThan64PartsOfAPoint) {
+  for (const auto& [mass, n_split] : {std::pair{1.0 / 32, 1}, std::pair{1.0 / 64, 0}}) {
+    Sheet sheet = row({1, 0});
+    sheet.particles().mass()[sheet.row(1)] = mass;
+    EXPECT_EQ(sheet.refine().n_split, n_split) << mass;
+  }
+}
+
+TEST(Refinement, JoinsPartsOfAPointAgainWhereTheirCellIsFull) {
+  const auto merged = [](double mass, bool of_one) {
+    Sheet sheet({{8.4, 8.4}, {8.6, 8.4}});  // one point fills a cell
+    Particles<2>& p = sheet.particles();
+    for (int i = 0; i < 2; ++i) {
+      p.mass()[i] = mass;
+      set_extent(p, i, {0.1, 0.1, 0, 0, 0, 0});
+    }
+    if (of_one) p.set_ids(sheet.row(1), 1, 0);
+    return sheet.refine().n_merged;
+  };
+  EXPECT_EQ(merged(0.5, true), 1);
+  EXPECT_EQ(merged(0.6, true), 0) << "heavier than what was split";
+  EXPECT_EQ(merged(0.5, false), 0) << "nothing was split";
+}
+
 TEST(Refinement, LeavesPointsAloneThatAreShortOrAtAnEdgeOrAmongOthers) {
   Sheet is_short = row({1, 0});
   set_extent(is_short.particles(), is_short.row(1), {0.99, 0.1, 0, 0, 0, 0});

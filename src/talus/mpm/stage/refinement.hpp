@@ -48,7 +48,7 @@ class ParticleRefinement {
     RefinementCost cost;
     std::vector<std::vector<Plan>> plans(m.bodies.size());
     for (std::size_t b = 0; b < m.bodies.size(); ++b)
-      if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], time);
+      if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], m.mean_masses[b], time);
     const auto total = [&](auto n_of_plan) {
       long mine = 0;
       for (const auto& of_body : plans)
@@ -122,9 +122,11 @@ class ParticleRefinement {
     exchange_windows(m.backend, m.halo, counts_);
   }
 
-  std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double time) {
-    const double most_in_cell = most_in_cell_of<Dim>(body.spacing, m.domain.h);
-    const SplittingRule rule{m.numerics.particle_splitting, rest_speed_of(m)};
+  std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double mean_mass, double time) {
+    constexpr double rounding = 1e-3;  // halves of halves are as heavy as the limit to rounding
+    const MergingRule merging = merging_rule<Dim>(body.spacing, m.domain.h, mean_mass);
+    const SplittingRule splitting{m.numerics.particle_splitting, rest_speed_of(m),
+                                  2 * (1 - rounding) * mean_mass / most_parts};
     std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
     m.backend.for_each(m.shares, [&](int t, int) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
@@ -132,8 +134,8 @@ class ParticleRefinement {
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];
       const RowRange& range = body.tiles[std::size_t(t)];
-      p.splits = find_splits<Dim>(rule, body, range, m.domain, m.grid.tiles(), t, counts_, along);
-      p.mergers = find_mergers<Dim>(body, range, m.domain, m.grid.tile(t), most_in_cell, p.splits);
+      p.splits = find_splits<Dim>(splitting, body, range, m.domain, m.grid.tiles(), t, counts_, along);
+      p.mergers = find_mergers<Dim>(merging, body, range, m.domain, m.grid.tile(t), p.splits);
     });
     return plans;
   }
