@@ -11,6 +11,8 @@
 /// Along its motion a thin front is drawn out into single particles; as halves they would be connected farther out. So
 /// `Splitting::all_directions`, which takes the longest edge of S for L, moves fronts.
 ///
+/// Parts of what was split are joined again where their cell is full, and any alike particles where it is crowded.
+///
 /// The result for a particle depends only on the particles of cells around it, so it does not depend on threads or
 /// owners.
 
