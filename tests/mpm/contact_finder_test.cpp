@@ -4,7 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
 
 #include "geometry/meshes.hpp"
@@ -55,16 +57,70 @@ TEST(ContactFinder, OnAWallThatRubsEveryNodeWithMassHasAContact) {
   }
 }
 
-TEST(ContactFinder, ASolidIsMetWithinHalfACellAndCountsBeforeTheWalls) {
-  // A half space below y = 1.4: nodes at y = 0 and 1 are inside or less than half a cell in front, that at 2 is not.
+TEST(ContactFinder, ASolidIsMetByNodesUpToHalfACellInFrontAndTheNextAndCountsBeforeTheWalls) {
+  // A half space below y = 1.4: nodes at y = 0 and 1 are inside or less than half a cell in front, that at 2 is the next.
   Corner corner;
   corner.domain.walls[2] = rubs;
   corner.solids = {{"ground", HalfSpace{{0, 1.4, 0}, {0, 1, 0}}, WallKind::no_slip}};
   corner.find();
-  EXPECT_EQ(corner.nodes(), (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 0, 1, 2, 3}));
+  EXPECT_EQ(corner.nodes(), (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3}));
   EXPECT_EQ(corner.contacts[0].number, 0);
-  EXPECT_EQ(corner.contacts[8].number, 1 + 2) << "sides are counted after solids";
+  EXPECT_EQ(corner.contacts[12].number, 1 + 2) << "sides are counted after solids";
   EXPECT_EQ(corner.contacts[0].surface, Wall(WallKind::no_slip));
+}
+
+TEST(ContactFinder, NodesAcrossASurfaceAreAColumnAlsoFromTileToTile) {
+  // A half space below y = 3.25: nodes at y = 2 and 3 are inside or less than half a cell in front, y = 4 is the next, of the
+  // tile above.
+  Corner corner;
+  corner.solids = {{"ground", HalfSpace{{0, 3.25, 0}, {0, 1, 0}}, rubs}};
+  corner.find();
+  ASSERT_EQ(corner.nodes().size(), 16u);
+  const NodeContact& c = corner.contacts[4 * 3 + 1];
+  ASSERT_EQ(c.node, 4 * 3 + 1);
+  ASSERT_EQ(c.column.n, 3);
+  EXPECT_EQ(c.column.own, 1);
+  const auto above = std::find_if(corner.tiles.begin(), corner.tiles.end(), [](const auto& t) {
+    return t.place == Index<2>{0, 1};
+  });
+  EXPECT_EQ(c.column.nodes[0], 4 * 2 + 1);
+  EXPECT_EQ(c.column.nodes[1], 4 * 3 + 1);
+  EXPECT_EQ(c.column.nodes[2], 16 * int(above - corner.tiles.begin()) + 1);
+  EXPECT_EQ(c.column.distances[0], -1.25);
+  EXPECT_EQ(c.column.distances[1], -0.25);
+  EXPECT_EQ(c.column.distances[2], 0.75);
+  EXPECT_EQ(corner.contacts[4 * 0 + 1].column.n, 0) << "no material reaches it";
+}
+
+TEST(ContactFinder, OnASlopeColumnsRunAlongTheAxisNearestToItsNormalAndHoldEveryNodeOnce) {
+  const double c = std::cos(0.5), s = std::sin(0.5);
+  Corner corner;
+  corner.solids = {{"ground", HalfSpace{{0, 1.7, 0}, {s, c, 0}}, rubs}};
+  corner.find();
+  ASSERT_FALSE(corner.contacts.empty());
+  for (const NodeContact& contact : corner.contacts) {
+    const ContactColumn& column = contact.column;
+    ASSERT_GE(column.n, 2);
+    EXPECT_EQ(column.nodes[column.own], contact.node);
+    for (int k = 1; k < column.n; ++k) EXPECT_NEAR(column.distances[k] - column.distances[k - 1], c, 1e-12);
+    EXPECT_GE(column.distances[column.n - 1], 0.5 * (c + s) - 1e-5);
+    EXPECT_LT(column.distances[column.n - 2], 0.5 * (c + s));
+  }
+}
+
+TEST(ContactFinder, AtTheEdgesOfASolidAndInThinOnesNodesAreAlone) {
+  // A box with a corner at (2, 2), and a plate of one cell.
+  Corner corner;
+  corner.solids = {{"box", Box{{-9, -9, 0}, {2, 2, 0}}, rubs}};
+  corner.find();
+  for (const NodeContact& c : corner.contacts)
+    if (c.node == 2 + 4 * 2) {
+      EXPECT_EQ(c.column.n, 0);
+    }
+  corner.solids = {{"plate", Box{{-9, 1, 0}, {9, 2, 0}}, rubs}};
+  corner.find();
+  EXPECT_EQ(corner.nodes(), (std::vector<int>{4, 5, 6, 7, 8, 9, 10, 11}));
+  for (const NodeContact& c : corner.contacts) EXPECT_EQ(c.column.n, 0);
 }
 
 TEST(ContactFinder, AMovingSolidIsMetWhereItIsAndHasItsVelocity) {
@@ -72,9 +128,9 @@ TEST(ContactFinder, AMovingSolidIsMetWhereItIsAndHasItsVelocity) {
   Corner corner;
   corner.solids = {{"ground", HalfSpace{{0, 0, 0}, {0, 1, 0}}, rubs, PrescribedMotion{{{0}, {Vec<3>{}}, {0, 2, 0}}}}};
   corner.find(0);
-  EXPECT_EQ(corner.nodes(), (std::vector<int>{0, 1, 2, 3}));
-  corner.find(0.5);
   EXPECT_EQ(corner.nodes(), (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7}));
+  corner.find(0.5);
+  EXPECT_EQ(corner.nodes(), (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}));
   for (const NodeContact& c : corner.contacts) EXPECT_EQ(c.velocity, (Vec<3>{0, 2, 0}));
 }
 
@@ -176,7 +232,7 @@ struct CornerOnGround {
       momentum[i].mass = at[2] >= 0 && at[2] <= 2 ? 3 * share(at) : 0;
     }
   }
-  /// What turbulent friction slows each node at y = 1, z = 1 by, with rho g/xi = 12.
+  /// Force of turbulent friction on each column at y = 1, over the square of the speed [kg/m], with rho g/xi = 12.
   std::array<double, 4> drag() const {
     Wall turbulent = rubs;
     turbulent.xi = 100;
@@ -189,29 +245,30 @@ struct CornerOnGround {
     std::array<double, 4> drag{};
     for (const NodeContact& c : contacts) {
       const Index<3> at = unflatten<3>(c.node, 4);
-      EXPECT_LT(at[2], 2) << "more than half a cell above ground";
+      EXPECT_LT(at[2], 3) << "more than one node above those up to half a cell above ground";
       if (at[1] == 1 && at[2] == 1) drag[std::size_t(at[0])] = c.drag;
     }
     return drag;
   }
 };
 
-TEST(ContactFinder, TurbulentFrictionOfAColumnSlowsTheMassOfItsNodesOnTheGround) {
-  // Its area is 1, the mass at z = 0 and 1 is 6: 12 x 1/6, whatever lies above.
+TEST(ContactFinder, TurbulentFrictionOfAColumnIsThatOfItsArea) {
+  // The area is 1, whatever the mass above.
   CornerOnGround corner;
-  corner.set_mass([](const Index<3>&) { return 1.0; });
-  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 2);
-  corner.set_mass([](const Index<3>&) { return 2.0; });
-  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 1) << "twice as thick";
+  for (const double mass : {1.0, 2.0}) {
+    corner.set_mass([mass](const Index<3>&) { return mass; });
+    for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 12);
+  }
 }
 
 TEST(ContactFinder, AtTheEdgeOfAFlowTurbulentFrictionActsOnThePartOfACellThatIsCovered) {
   // A layer that ends half a cell beyond x = 1: of the quadratic splines at x = 0, 1, 2 the shares 1, 5/6 and 1/6 lie on
-  // it. So areas are in proportion to masses, and all nodes are slowed alike.
+  // it, and so of the areas.
   CornerOnGround corner;
   corner.set_mass([](const Index<3>& at) { return at[0] < 1 ? 1.0 : at[0] == 1 ? 5. / 6 : at[0] == 2 ? 1. / 6 : 0.0; });
   const std::array<double, 4> drag = corner.drag();
-  for (int x : {0, 1, 2}) EXPECT_NEAR(drag[std::size_t(x)], 2, 1e-6) << x;
+  const double share[] = {1, 5. / 6, 1. / 6};
+  for (int x : {0, 1, 2}) EXPECT_NEAR(drag[std::size_t(x)], 12 * share[x], 1e-5) << x;
   EXPECT_EQ(drag[3], 0) << "no contact";
 }
 
@@ -220,7 +277,8 @@ TEST(ContactFinder, OnASideThatMirrorsAColumnIsHalfACell) {
   CornerOnGround corner;
   corner.domain.walls[0] = WallKind::slip;
   corner.set_mass([](const Index<3>& at) { return at[0] == 0 ? 0.5 : 1.0; });
-  for (const double drag : corner.drag()) EXPECT_DOUBLE_EQ(drag, 2);
+  const std::array<double, 4> drag = corner.drag();
+  for (int x = 0; x < 4; ++x) EXPECT_DOUBLE_EQ(drag[std::size_t(x)], x == 0 ? 6 : 12);
 }
 
 }  // namespace talus::contact_finder_test

@@ -156,7 +156,9 @@ TEST(InfiniteSlope, SlidesWithWhatItsStrengthInShearLeavesOfGravity) {
     run_until(*s, 0.5);
     const double before = speed(), then = s->ledger().time;
     run_until(*s, 1);
-    EXPECT_NEAR((speed() - before) / (s->ledger().time - then), exact, 0.05 * exact) << safety;
+    // The stress at the bedrock turns while it shears, so what is left of gravity swings by a tenth: friction is within 1 %.
+    const double friction = mu * g * std::cos(b);
+    EXPECT_NEAR((speed() - before) / (s->ledger().time - then), exact, 0.01 * friction) << safety;
     // Shear over normal stress on planes along the slope.
     const Observation all = s->observe();
     double shear = 0, pressure = 0;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -13,6 +14,7 @@
 #include "mpm/cases.hpp"
 #include "mpm/saved_state.hpp"
 #include "talus/backend/backend.hpp"
+#include "talus/base/error.hpp"
 #include "talus/base/image.hpp"
 
 namespace talus::mpm_terrain_test {
@@ -506,7 +508,7 @@ TEST(OnACurvedBed, APatchSlidesDownAConeAsDownAPlane) {
   for (const double cells_thick : {1, 2, 4})
     expect_to_slide_as_a_slab([](double x, double y) { return -0.5 * std::hypot(x, y); },
                               {{0.3, 0.5, -1.5}, {1.6, 2.0, 0.3}}, cells_thick, {0.6, 0.8}, {}, 0.8,
-                              cells_thick < 4 ? 0.005 : 0.016);
+                              cells_thick < 4 ? 0.008 : 0.016);
 }
 
 TEST(OnACurvedBed, APatchThatIsThrownAcrossAFunnelTurnsAsItsWallDoes) {
@@ -546,7 +548,8 @@ Case avalanche() {
 }
 
 // The flanks of a gully narrower than a cell hold different nodes, and each lets material fall along itself. What has sunk
-// a cell deep rises in every shift by as much as it has sunk since the last: a tenth of a cell and what it sinks in a step.
+// three quarters of a cell deep rises in every shift by as much as it has sunk since the last: a tenth of a cell and what it
+// sinks in a step.
 TEST(InAGully, NoParticleSinksMuchMoreThanACell) {
   Case case_ = on_terrain();
   set_domain(case_, {{-0.4, -0.4, -0.5}, {0.4, 0.4, 0.6}});
@@ -559,13 +562,17 @@ TEST(InAGully, NoParticleSinksMuchMoreThanACell) {
     case_.numerics.particle_shifting = shifts;
     const auto loop = make_serial();
     const auto s = make_simulation(case_, *loop);
-    while (s->ledger().time < 6) s->step();
+    try {
+      while (s->ledger().time < 6) s->step();
+    } catch (const RunError&) {
+      return std::numeric_limits<double>::infinity();  // it has fallen through the ground
+    }
     double depth = 0;
     for (const Vec<3>& x : s->places().places)
       depth = std::max(depth, -nearness(SolidShape(Ground{ground}), x, 3).distance);
     return depth / cell;
   };
-  EXPECT_LT(deepest(true), 1.2);
+  EXPECT_LT(deepest(true), 1.3);
   EXPECT_GT(deepest(false), 1.5);  // or else this test shows nothing
 }
 

@@ -80,10 +80,11 @@ class ContactFinder {
       return displacement;
     }
 
-    /// How far a point that has sunk more than a cell into a terrain is to rise [m]: to that depth below the plane that touches
-    /// the ground above it, but nearer to that plane by `most` at most. Contacts act at nodes, half a cell from the surface at
-    /// most. In a gully as narrow as a cell each flank leaves the other's material a part of its fall, which lets it sink at a
-    /// speed of about g dt, and in a ridge both flanks let it fall along them.
+    /// How far a point that has sunk more than three quarters of a cell into a terrain is to rise [m]: to that depth below the
+    /// plane that touches the ground above it, but nearer to that plane by `most` at most. Where the ground is not smooth,
+    /// contacts act at nodes, half a cell from the surface at most. In a gully as narrow as a cell each flank leaves the
+    /// other's material a part of its fall, which lets it sink at a speed of about g dt, and in a ridge both flanks let it
+    /// fall along them.
     double rise(const Vec<3>& x, double most) const {
       const double h = finder_.domain_.h;
       double up = 0;
@@ -92,7 +93,7 @@ class ContactFinder {
         if (!ground) continue;
         const TerrainPlace above = ground->surface->at(x[0], x[1]);
         const double depth = (above.height - x[2]) * above.cosine();
-        up = std::max(up, std::clamp(depth - h, 0.0, most) / above.cosine());
+        up = std::max(up, std::clamp(depth - deepest_rest * h, 0.0, most) / above.cosine());
       }
       return up;
     }
@@ -157,16 +158,20 @@ class ContactFinder {
       const auto add = [&](const NodeAtSolid& at) {
         if (!counts(at.node)) return;
         const Vec<3> x = place_of(global_node<Dim>(place, at.node));
-        found.push_back({at.node, solid.contact, normal_towards_material(tiles, momentum, t, at, solid, x, pose),
-                         pose.velocity_at(x), number, accounts_.of_solid(number)});
+        const Vec<3> normal = at.row ? at.row->normal : normal_towards_material(tiles, momentum, t, at, solid, x, pose);
+        found.push_back({at.node, solid.contact, normal, pose.velocity_at(x), number, accounts_.of_solid(number)});
+        if (!at.row) return;
+        Vec<3> next = x;
+        next[at.row->axis] += at.row->step * domain_.h;
+        found.back().column = column_of(tiles[t], at.node, *at.row, pose.velocity_at(next) - pose.velocity_at(x));
       };
       if (solid.motion.rests()) {
         std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *resting_[std::size_t(number)].of_tile[std::size_t(t)];
         if (!nodes)
-          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(solid, pose, place, [](int) { return true; }));
+          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(number, pose, place, [](int) { return true; }));
         std::for_each(nodes->begin(), nodes->end(), add);
       } else {
-        const std::vector<NodeAtSolid> nodes = nodes_at(solid, pose, place, counts);
+        const std::vector<NodeAtSolid> nodes = nodes_at(number, pose, place, counts);
         std::for_each(nodes.begin(), nodes.end(), add);
       }
     }
@@ -202,11 +207,117 @@ class ContactFinder {
   /// Nodes this deep below the ground have no mass: material on it is less than two cells away along each axis.
   static constexpr double deepest = 3.5;
 
+  /// Nodes in a row along an axis across a surface, for a `ContactColumn`.
+  struct RowAcross {
+    int axis, step;                                     ///< 1 or -1, out of the surface
+    int n, own;                                         ///< nodes, and which of them it is the row of
+    std::array<double, ContactColumn::most> distances;  ///< from the deepest on [m]
+    Vec<3> normal;                                      ///< of the surface where it crosses it
+
+    /// Node k, if `self` is the node that it is the row of.
+    Index<Dim> node(Index<Dim> self, int k) const {
+      self[axis] += step * (k - own);
+      return self;
+    }
+  };
+  /// The row that a node of the grid belongs to at a solid, if the surface around it is smooth, the solid thick and nothing in
+  /// front of it. `near`: distance and normal at a place; `axis`: along which all rows run, or -1 for that nearest to the
+  /// normal.
+  template <class Near>
+  std::optional<RowAcross> row_across(int solid, Near near, const Index<Dim>& node, const Nearness& here,
+                                      int axis = -1) const {
+    const double h = domain_.h;
+    const auto axis_of = [&](const Vec<3>& normal) {
+      if (axis >= 0) return axis;
+      int most = 0;
+      for (int a = 1; a < Dim; ++a)
+        if (std::abs(normal[a]) > std::abs(normal[most]) + rounding) most = a;
+      return most;
+    };
+    // Half the width of a cell across the surface: the node above the highest one then does not touch the surface.
+    const auto width = [&](const Vec<3>& n) { return h * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2])); };
+    const auto is_above = [&](const Nearness& at) { return at.distance >= (0.5 - rounding) * width(at.normal); };
+    const int along = axis_of(here.normal), step = here.normal[along] > 0 ? 1 : -1;
+    const auto place_at = [&](int steps) {
+      Index<Dim> there = node;
+      there[along] += steps * step;
+      return place_of(there);
+    };
+    constexpr double alike = 0.8;  // the cosine of the angle between normals
+    const auto belongs = [&](const Nearness& one, const Nearness& highest) {
+      return axis_of(one.normal) == along && dot(one.normal, highest.normal) > alike;
+    };
+    int up = 0;
+    Nearness highest = here;
+    while (!is_above(highest)) {
+      if (++up == ContactColumn::most) return std::nullopt;
+      highest = near(place_at(up));
+    }
+    if (axis_of(highest.normal) != along || !belongs(here, highest)) return std::nullopt;
+    if (is_in_another(solid, place_at(up))) return std::nullopt;
+    RowAcross row{along, step, 1, 0, {highest.distance}, highest.normal};
+    int lowest = up;
+    while (row.n < ContactColumn::most) {
+      const Nearness next = lowest == 1 ? here : near(place_at(lowest - 1));
+      const double least = row.distances[std::size_t(row.n - 1)] - 0.3 * h * std::abs(highest.normal[along]);
+      if (is_above(next) || !belongs(next, highest) || next.distance > least) break;
+      if (next.distance < -1.5 * width(next.normal)) break;  // no material reaches it
+      row.distances[std::size_t(row.n++)] = next.distance;
+      --lowest;
+    }
+    if (row.n == 1 || lowest > 0) return std::nullopt;
+    // Where the row crosses the surface, by the two nodes about it.
+    int behind = 1;
+    while (behind + 1 < row.n && row.distances[std::size_t(behind)] > 0) ++behind;
+    const double in_front = row.distances[std::size_t(behind - 1)],
+                 share = in_front / (in_front - row.distances[std::size_t(behind)]);
+    const Vec<3> above = place_at(up - behind + 1);
+    const Vec<3> crossing = above + share * (place_at(up - behind) - above);
+    row.normal = near(crossing).normal;
+    if (near(crossing - (thin_below * h) * row.normal).distance >= 0) return std::nullopt;
+    // In a gully material reaches the nodes of both flanks, and each row would let it fall along its own. Not whole cells: as
+    // edges often lie on nodes, rounding would decide.
+    if (!is_smooth(near, crossing, row.normal, 1.9, alike)) return std::nullopt;
+    std::reverse(row.distances.begin(), row.distances.begin() + row.n);
+    row.own = -lowest;
+    return row;
+  }
+  /// Whether a place lies in another solid at rest, or outside the domain.
+  bool is_in_another(int solid, const Vec<3>& x) const {
+    for (int a = 0; a < Dim; ++a) {
+      const double at = (x[a] - domain_.origin[a]) / domain_.h;
+      if (!domain_.is_periodic(a) && (at < -rounding || at > domain_.n_cells[a] + rounding)) return true;
+    }
+    for (int n = 0; n < int(solids_.size()); ++n) {
+      const Solid& other = solids_[std::size_t(n)];
+      if (n != solid && other.motion.rests() && other.near(x, other.motion.at(0), Dim).distance < -rounding * domain_.h)
+        return true;
+    }
+    return false;
+  }
+  /// The column of a row, at a node of a tile.
+  static ContactColumn column_of(const Tile<Dim>& tile, int node, const RowAcross& row, const Vec<3>& spin) {
+    ContactColumn column;
+    column.n = row.n;
+    column.own = row.own;
+    column.spin = spin;
+    for (int k = 0; k < row.n; ++k) {
+      Index<Dim> i = row.node(unflatten<Dim>(node, tile_edge), k), offset{};
+      offset[row.axis] = i[row.axis] < 0 ? -1 : i[row.axis] >= tile_edge ? 1 : 0;
+      i[row.axis] -= tile_edge * offset[row.axis];
+      const int other = tile.neighbours[neighbour_at<Dim>(offset)];
+      column.nodes[k] = other < 0 ? -1 : other * n_nodes + flatten<Dim>(i, tile_edge);
+      column.distances[k] = row.distances[std::size_t(k)];
+    }
+    return column;
+  }
+
   /// Nodes of a tile that are in contact with the ground, or may be.
   struct GroundTile {
     struct Node {
       int node;
       Vec<3> normal;
+      std::optional<RowAcross> row;
     };
     std::vector<Node> nodes;
     /// For each column of nodes in and beside the tile: bits of the layers in contact with the ground, from
@@ -233,19 +344,38 @@ class ContactFinder {
     bool on_edge = false;  ///< it lies on an edge of the surface
     bool thin = false;     ///< the solid is thinner than the shape functions are wide
     bool plain = false;    ///< the node lies in a mesh, below a surface without edges: material is on no other side
+    std::optional<RowAcross> row{};  ///< of the nodes that are held together, if there are some
   };
   /// Those of the nodes that `counts`.
   template <class Counts>
-  std::vector<NodeAtSolid> nodes_at(const Solid& solid, const Pose& pose, const Index<Dim>& tile, Counts counts) const {
+  std::vector<NodeAtSolid> nodes_at(int number, const Pose& pose, const Index<Dim>& tile, Counts counts) const {
+    const Solid& solid = solids_[std::size_t(number)];
     std::vector<NodeAtSolid> nodes;
     const Vec<3> middle = place_of(tile, 0.5 * (tile_edge - 1));
-    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + highest * domain_.h;
     if (solid.near(middle, pose, Dim).distance > reach) return nodes;
     const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
+    std::array<std::optional<RowAcross>, n_nodes> rows{};  // as far as they are known
     for (int node = 0; node < n_nodes; ++node) {
       if (!counts(node)) continue;
-      const Vec<3> x = place_of(global_node<Dim>(tile, node));
+      if (const auto& row = rows[std::size_t(node)]) {
+        nodes.push_back({node, {row->distances[std::size_t(row->own)], row->normal}, false, false, false, row});
+        continue;
+      }
+      const Index<Dim> in_grid = global_node<Dim>(tile, node);
+      const Vec<3> x = place_of(in_grid);
       NodeAtSolid at{node, near(x)};
+      if (at.nearest.distance > highest * domain_.h) continue;
+      at.row = row_across(number, near, in_grid, at.nearest);
+      if (at.row) {
+        nodes.push_back(at);
+        for (int k = 0; k < at.row->n; ++k)
+          if (const Index<Dim> i = at.row->node(unflatten<Dim>(node, tile_edge), k); in_tile(i)) {
+            std::optional<RowAcross>& row = rows[std::size_t(flatten<Dim>(i, tile_edge))] = at.row;
+            row->own = k;
+          }
+        continue;
+      }
       if (at.nearest.distance > margin * domain_.h) continue;
       if (at.nearest.distance >= -rounding * domain_.h) {
         at.on_edge = at.nearest.distance < rounding * domain_.h && !is_smooth(near, x, at.nearest.normal);
@@ -284,17 +414,22 @@ class ContactFinder {
     if (ground) return *ground;
     ground = std::make_unique<GroundTile>();
     const SolidShape& shape = solids_[std::size_t(number)].shape;
-    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + margin * domain_.h;
+    const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + highest * domain_.h;
     if (nearness(shape, place_of(tile.place, 0.5 * (tile_edge - 1)), Dim).distance > reach) return *ground;
+    const auto near = [&](const Vec<3>& at) { return nearness(shape, at, Dim); };
     for (int layer = -column_reach; layer < tile_edge + column_reach; ++layer)
       for (int column = 0; column < n_columns; ++column) {
         Index<Dim> node = foot_of_column(column), global = node;
         node[Dim - 1] = layer;
         for (int a = 0; a < Dim; ++a) global[a] = node[a] + tile_edge * tile.place[a];
-        const Nearness near = nearness(shape, place_of(global), Dim);
-        if (near.distance > margin * domain_.h || near.distance < -deepest * domain_.h) continue;
-        ground->columns[std::size_t(column)] |= 1u << (layer + column_reach);
-        if (in_tile(node)) ground->nodes.push_back({flatten<Dim>(node, tile_edge), near.normal});
+        const Nearness here = near(place_of(global));
+        if (here.distance > highest * domain_.h || here.distance < -deepest * domain_.h) continue;
+        const bool on_ground = here.distance <= margin * domain_.h;
+        if (on_ground) ground->columns[std::size_t(column)] |= 1u << (layer + column_reach);
+        if (!in_tile(node)) continue;
+        const std::optional<RowAcross> row = row_across(number, near, global, here, Dim - 1);
+        if (row || on_ground)
+          ground->nodes.push_back({flatten<Dim>(node, tile_edge), row ? row->normal : here.normal, row});
       }
     return *ground;
   }
@@ -304,24 +439,31 @@ class ContactFinder {
   void find_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum, const Mirrors<Dim>& walls, int t,
                       int number, Counts counts, std::vector<NodeContact>& found) {
     const GroundTile& ground = ground_of_tile(tiles[t], t, number);
-    std::optional<std::array<double, n_across>> area;
-    for (const auto& [node, normal] : ground.nodes) {
+    std::optional<std::array<AreaOnGround, n_across>> area;
+    for (const auto& [node, normal, row] : ground.nodes) {
       if (!counts(node)) continue;
       const Solid& solid = solids_[std::size_t(number)];
       const int zone = solid.zone_at(place_of(global_node<Dim>(tiles[t].place, node)));
       const Wall& surface = zone < 0 ? solid.contact : solid.zones.surfaces[std::size_t(zone)];
       found.push_back({node, surface, normal, {}, number, accounts_.of_zone(number, zone)});
+      if (row) found.back().column = column_of(tiles[t], node, *row, {});
       if (surface.xi == 0) continue;
-      if (!area) area = area_per_mass(tiles, momentum, walls, t, ground);
-      found.back().drag = unit_weight_ / surface.xi * (*area)[std::size_t(node % n_across)] / normal[Dim - 1];
+      if (!area) area = area_on_ground(tiles, momentum, walls, t, ground);
+      const AreaOnGround& on = (*area)[std::size_t(node % n_across)];
+      const double share = row ? 1 : mass_at(momentum, t, node) / on.mass;
+      found.back().drag = on.mass > 0 ? unit_weight_ / surface.xi * on.area * share / normal[Dim - 1] : 0;
     }
   }
 
-  /// Area in plan [m2] of the material around each column of nodes, over the mass of its nodes in contact with the
-  /// ground, for turbulent friction. Inside a flow the area is that of a cell. At its edge nodes outside the flow have
-  /// mass too; so the area is the product of the shares of a cell that the flow covers along both axes.
-  std::array<double, n_across> area_per_mass(const Tile<Dim>* tiles, const MassMomentum* momentum,
-                                             const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
+  /// Area in plan of the material around a column of nodes [m2], and mass of its nodes in contact with the ground [kg].
+  struct AreaOnGround {
+    double area = 0, mass = 0;
+  };
+  /// The same of each column of a tile, for turbulent friction. Inside a flow the area is that of a cell. At its edge
+  /// nodes outside the flow have mass too; so the area is the product of the shares of a cell that the flow covers
+  /// along both axes.
+  std::array<AreaOnGround, n_across> area_on_ground(const Tile<Dim>* tiles, const MassMomentum* momentum,
+                                                    const Mirrors<Dim>& walls, int t, const GroundTile& ground) const {
     std::array<double, n_columns> inside{}, mass{}, on_ground{};
     int above = layers_above;  // as many for all columns, so that they compare
     const auto highest_on_ground = [](unsigned nodes) { return int(std::bit_width(nodes)) - 1 - column_reach; };
@@ -338,7 +480,7 @@ class ContactFinder {
         if (layer >= -column_reach && (nodes >> (layer + column_reach) & 1u)) on_ground[column] += m;
       }
     }
-    std::array<double, n_across> area{};
+    std::array<AreaOnGround, n_across> area{};
     for (int n = 0; n < n_across; ++n) {
       Index<Dim> own = unflatten<Dim>(n, tile_edge);
       for (int a = 0; a < Dim - 1; ++a) own[a] += 1;
@@ -358,7 +500,7 @@ class ContactFinder {
         };
         covered *= covered_share(mass[i], mass_or(before, after), mass_or(after, before));
       }
-      area[std::size_t(n)] = std::pow(domain_.h, Dim - 1) * inside[i] * covered / on_ground[i];
+      area[std::size_t(n)] = {std::pow(domain_.h, Dim - 1) * inside[i] * covered, on_ground[i]};
     }
     return area;
   }
@@ -418,14 +560,21 @@ class ContactFinder {
     return other < 0 ? 0.0 : mass_at(momentum, other, flatten<Dim>(node, tile_edge));
   }
 
+  /// Depth below a terrain [cells] that points do not sink beyond for long: that at which single nodes hold them, and a
+  /// quarter of a cell.
+  static constexpr double deepest_rest = 0.75;
+
   /// In cells: tolerance of a position, and of neighbouring positions.
   static constexpr double rounding = 1e-6, nearby = 1e-3;
 
-  /// Distance in front of a solid, in cells, within which a node is in contact with it. So the plane at which material
-  /// stops lies half a cell in front of the surface at most and half a cell behind it, depending on the position of the
+  /// Distance in front of a solid, in cells, within which a node alone is in contact with it. So the plane at which material
+  /// stops there lies half a cell in front of the surface at most and half a cell behind it, depending on the position of the
   /// grid; if the surface is a plane of nodes, it is there, as at a wall. Slightly less than a half, so that rounding
   /// has no effect for surfaces midway between nodes.
   static constexpr double margin = 0.5 - rounding;
+  /// The same within which a node may be the highest one of a row across a surface with the normal n: half the width of a cell
+  /// across it and one step, at most |n_1| + (|n_1| + |n_2| + |n_3|)/2 <= sqrt(11)/2.
+  static constexpr double highest = 1.66;
 
   /// Position of a node, also of one outside the tile, relative to the first node of the tile.
   Vec<3> place_of(const Index<Dim>& node) const {

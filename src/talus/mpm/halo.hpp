@@ -4,8 +4,9 @@
 /// Every owner holds its own tiles and, as a halo, the tiles around them. Particles are only in its own. When particles
 /// have added to the windows of their tiles, owners exchange the windows of the halo. Each owner then computes all
 /// nodes that it needs, in the same order, so results are bit-identical. A node that a particle touches needs, at most,
-/// nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact, 2 to its image) and
-/// these the windows of tiles that reach 3 nodes farther: three tiles. Most need less: what nodes do is computed in tiles that
+/// nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact or, along another axis than
+/// that of the image, 5 to the end of its column, 2 to its image) and these the windows of tiles that reach 3 nodes farther:
+/// three tiles. Most need less: what nodes do is computed in tiles that
 /// particles touch, and near walls.
 
 #include <algorithm>
@@ -118,6 +119,9 @@ Halo keep_held(std::vector<Tile<Dim>>& tiles, std::vector<CellRange<Dim>>& cells
     kept.push_back(tile);
     if (tile.occupied) kept_cells.push_back(cells[std::size_t(t)]);
   }
+  for (Tile<Dim>& tile : kept)
+    tile.beside = std::any_of(std::begin(tile.neighbours), std::end(tile.neighbours),
+                              [&](int other) { return other >= 0 && kept[std::size_t(other)].touched; });
   tiles = std::move(kept);
   cells = std::move(kept_cells);
   return halo;

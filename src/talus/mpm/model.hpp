@@ -180,9 +180,13 @@ struct Model {
     return talus::add_up(backend, adding_order, parts...);
   }
 
-  /// Whether this owner needs what the nodes of a tile do: its particles touch them, or images behind walls may hand it on to
-  /// others that they touch.
-  bool needs_nodes(int t) const { return grid.tile(t).touched || walls->near_wall(t); }
+  /// Whether this owner needs what the nodes of a tile do: its particles touch them, or images behind walls or contacts across
+  /// the surfaces of solids may hand it on to others that they touch.
+  bool needs_nodes(int t) const {
+    return grid.tile(t).touched || walls->near_wall(t) || (has_solids() && grid.tile(t).beside);
+  }
+  /// Whether contacts may reach across nodes, and look at the mass around them.
+  bool has_solids() const { return !contact_finder.solids().empty(); }
   /// Whether a tile has particles of this owner.
   bool has_particles(int t) const { return grid.tile(t).occupied && grid.tile(t).owned; }
   int n_particles_of(int t) const {

@@ -57,20 +57,33 @@ TEST(FilterKernel, ANodeWithoutMassHasNoFit) {
 TEST(FilterKernel, AFitMayBeHeldOnASurface) {
   // No slip: the velocity at the node is the surface's, 0; the slope through it is still the best. 2 kg lose (2, 1).
   FilterFit<2> fit = fit_velocity(of_two(), 1e-12);
-  const Vec<3> all = hold_fit({0, WallKind::no_slip, {0, 1, 0}}, of_two(), fit);
+  const Vec<3> all = hold_fit({0, WallKind::no_slip, {0, 1, 0}}, of_two(), 1, Quad(1.0), fit);
   EXPECT_EQ(all, (Vec<3>{-4, -2, 0}));
   EXPECT_EQ(fit.at.velocity, (Vec<3>{0, 0, 0}));
   EXPECT_EQ(fit.slope[0].velocity, (Vec<3>{2, 0, 0}));
   fit = fit_velocity(of_two(), 1e-12);
-  const Vec<3> across = hold_fit({0, Wall(WallKind::friction, 0.5), {0, 1, 0}}, of_two(), fit);
+  const Vec<3> across = hold_fit({0, Wall(WallKind::friction, 0.5), {0, 1, 0}}, of_two(), 1, Quad(1.0), fit);
   EXPECT_EQ(across, (Vec<3>{0, -2, 0})) << "across it only";
   EXPECT_EQ(fit.at.velocity, (Vec<3>{2, 0, 0}));
+}
+
+TEST(FilterKernel, AFitOfAColumnIsHeldOnTheSurfaceNotAtTheNode) {
+  // A wall across x, one cell to the left of the node: the fit is zero there. About that place the particles are at 1.5 and
+  // 0.5, so the slope is (1.5 (3, 1) + 0.5 (1, 1))/(1.5^2 + 0.5^2) = (2, 0.8), and that is the velocity at the node.
+  NodeContact contact{0, WallKind::no_slip, {1, 0, 0}};
+  contact.column = {2, 1, {0, 0}, {-0.5, 2}};
+  FilterFit<2> fit = fit_velocity(of_two(), 1e-12);
+  hold_fit(contact, of_two(), 2, Quad(1.0), fit);
+  EXPECT_NEAR(fit.at.velocity[0], 2, 1e-15);
+  EXPECT_NEAR(fit.at.velocity[1], 0.8, 1e-15);
+  EXPECT_NEAR(fit.slope[0].velocity[0], 2, 1e-15);
+  EXPECT_NEAR(fit.slope[0].velocity[1], 0.8, 1e-15);
 }
 
 TEST(FilterKernel, AFitHasTheMomentumOfItsParticlesUntilItIsHeld) {
   FilterFit<2> fit = fit_velocity(of_two(), 1e-12);
   EXPECT_EQ(vector_of(momentum_gained(of_two(), fit, Quad(0.0))), (Vec<3>{0, 0, 0}));
-  hold_fit({0, WallKind::no_slip, {0, 1, 0}}, of_two(), fit);
+  hold_fit({0, WallKind::no_slip, {0, 1, 0}}, of_two(), 1, Quad(1.0), fit);
   EXPECT_EQ(vector_of(momentum_gained(of_two(), fit, Quad(0.0))), (Vec<3>{-4, -2, 0}));
 }
 

@@ -220,7 +220,7 @@ TEST(AffineFilter, HoldsTheFitOnASurfaceAcrossItAndWhereFrictionHoldsAlongItToo)
     NodeContact contact{0, Wall(WallKind::friction, 0.5, true), {0, 1, 0}};
     contact.sticks = sticks;
     FilterFit<2> fit = fit_velocity(moments, 1e-9);
-    const Vec<3> impulse = hold_fit(contact, moments, fit);
+    const Vec<3> impulse = hold_fit(contact, moments, 1, Quad(1.0), fit);
     EXPECT_NEAR(load_node(fit.at)[0], sticks ? 0 : 0.3, 1e-15);
     EXPECT_NEAR(load_node(fit.at)[1], 0, 1e-15);
     EXPECT_NEAR(impulse[0], sticks ? -0.6 : 0, 1e-15);

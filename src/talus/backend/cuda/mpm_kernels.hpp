@@ -51,7 +51,7 @@ struct TilesOnDevice {
 };
 
 struct StepOnDevice {
-  double dt, layer, kept, least_mass;
+  double dt, kept, least_mass;
   Quad gravity;
 };
 
@@ -86,7 +86,8 @@ struct NodeVelocities {
   TALUS_HD void operator()(int t) const {
     find_velocities(m.tiles[t].place, m.walls, m.near_wall[t], step.least_mass, m.nodes_of(m.momentum, t),
                     m.nodes_of(m.velocity, t), m.sums[t]);
-    meet_surfaces(m.contacts[t], m.tiles[t].place, m.walls, 1 - step.kept, m.nodes_of(m.velocity, t), m.sums[t]);
+    meet_surfaces(m.contacts[t], m.tiles[t].place, m.walls, 1 - step.kept, step.least_mass, m.momentum,
+                  m.nodes_of(m.velocity, t), m.sums[t]);
   }
 };
 template <class M>
@@ -172,9 +173,9 @@ struct Accelerations {
     accelerate(m.tiles[t].place, m.walls, m.near_wall[t], step.least_mass, step.dt, step.gravity,
                m.nodes_of(m.force, t), m.nodes_of(m.velocity, t), m.nodes_of(m.acceleration, t),
                m.nodes_of(m.new_velocity, t), m.sums[t]);
-    rub_on_surfaces(m.contacts[t], m.tiles[t].place, m.walls, {step.dt, step.layer}, step.gravity,
-                    m.nodes_of(m.force, t), m.nodes_of(m.velocity, t), m.nodes_of(m.new_velocity, t),
-                    m.nodes_of(m.acceleration, t), m.sums[t]);
+    rub_on_surfaces(m.contacts[t], m.tiles[t].place, m.walls, {step.dt, m.domain.h}, step.gravity,
+                    {m.nodes_of(m.velocity, t), m.velocity, m.nodes_of(m.force, t), m.force},
+                    m.nodes_of(m.new_velocity, t), m.nodes_of(m.acceleration, t), m.sums[t]);
   }
 };
 template <class M, Advance which>
@@ -231,7 +232,8 @@ struct FilterFits {
     }
     m.sums[t].add(Sum::wall_impulse, vector_of(gained));
     for (const NodeContact& c : m.contacts[t])
-      m.sums[t].add(Sum::wall_impulse, hold_fit(c, moments[c.node], fits[c.node]));
+      m.sums[t].add(Sum::wall_impulse,
+                    hold_fit(c, moments[c.node], m.domain.h, m.walls.allowed(m.tiles[t].place, c.node), fits[c.node]));
     extend_fits(m.tiles, t, m.walls.mirrors[mirror], m.fits);
   }
 };

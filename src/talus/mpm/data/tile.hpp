@@ -64,6 +64,7 @@ struct Tile {
   bool occupied;        ///< holds particles, so its window is in use
   bool owned = true;    ///< by this owner; tiles of others are present if nodes of this owner need them
   bool touched = true;  ///< it or a neighbour is owned: this owner's particles touch its nodes
+  bool beside = true;   ///< it or a neighbour is touched
 };
 
 /// A node of a tile, counted in the whole grid.

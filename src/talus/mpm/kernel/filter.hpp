@@ -134,12 +134,14 @@ namespace detail {
 /// Mean square of a distance, in cells^2, below which velocity is not known to vary along it: that of 1/1000 of a cell.
 inline constexpr double least_extent = 1e-6;
 
-/// Solves spread slope = along, with the second moments of the particles about a place, an axis after the other. Along
-/// an axis on which particles do not spread, beyond what those before explain, the slope is 0.
+/// Solves spread slope = along, with the second moments of the particles, whose middle is given, about a place; an axis after
+/// the other. Along an axis on which particles do not spread, beyond what those before explain, the slope is 0.
 template <int Dim>
-TALUS_HD void find_slopes(const FilterMoments<Dim>& m, const Vec<Dim>& about, const Quad (&along)[Dim],
-                          Quad (&slope)[Dim]) {
-  const auto spread = [&](int a, int b) { return m.product(a, b) / m.mass() - about[a] * about[b]; };
+TALUS_HD void find_slopes(const FilterMoments<Dim>& m, const Vec<Dim>& middle, const Vec<Dim>& about,
+                          const Quad (&along)[Dim], Quad (&slope)[Dim]) {
+  const auto spread = [&](int a, int b) {
+    return m.product(a, b) / m.mass() - about[a] * middle[b] - (middle[a] - about[a]) * about[b];
+  };
   double lower[Dim][Dim] = {}, extent[Dim];  // spread = (1 + lower) diag(extent) (1 + lower)^T
   for (int a = 0; a < Dim; ++a) {
     extent[a] = spread(a, a);
@@ -278,7 +280,7 @@ TALUS_HD FilterFit<Dim> fit_velocity(const FilterMoments<Dim>& m, double least_m
   for (int a = 0; a < Dim; ++a) middle[a] = m.mass_at(a) / mass;
   Quad along[Dim], slope[Dim], at = Quad(1 / mass) * m.zeroth();
   for (int a = 0; a < Dim; ++a) along[a] = Quad(1 / mass) * m.first(a) - Quad(middle[a]) * at;
-  detail::find_slopes(m, middle, along, slope);
+  detail::find_slopes(m, middle, middle, along, slope);
   for (int a = 0; a < Dim; ++a) {
     at -= Quad(middle[a]) * slope[a];
     store_node(fit.slope[a], slope[a]);
@@ -287,23 +289,34 @@ TALUS_HD FilterFit<Dim> fit_velocity(const FilterMoments<Dim>& m, double least_m
   return fit;
 }
 
-/// Sets the fit of a node in contact, at the node, to the velocity of the surface along its normal; along all
-/// directions if the surface permits no sliding or friction prevents it. Returns the impulse on the material that this
-/// takes [N s].
+/// Sets the fit of a node in contact, on the surface, to the velocity of the surface along its normal; along all
+/// directions if the surface permits no sliding or friction prevents it. `h`: cell size [m]; `allowed`: what walls allow at
+/// the node, where the material with its image ends on the surface beside the node. Returns the impulse on the material that
+/// this takes [N s].
 template <int Dim>
-TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, FilterFit<Dim>& fit) {
+TALUS_HD Vec<3> hold_fit(const NodeContact& c, const FilterMoments<Dim>& m, double h, Quad allowed,
+                         FilterFit<Dim>& fit) {
   const double mass = m.mass();
   const Quad surface = quad_of(c.velocity);
+  Vec<Dim> place{};  // of the surface, from the node
+  if (c.column.n > 0)
+    for (int a = 0; a < Dim; ++a) place[a] = -c.column.distance() / h * c.normal[a] * allowed[a];
+  Vec<Dim> middle;
+  for (int a = 0; a < Dim; ++a) middle[a] = m.mass_at(a) / mass;
   Quad along[Dim], slope[Dim];
-  for (int a = 0; a < Dim; ++a) along[a] = Quad(1 / mass) * (m.first(a) - Quad(m.mass_at(a)) * surface);
-  detail::find_slopes(m, Vec<Dim>{}, along, slope);
+  const Quad all = Quad(1 / mass) * m.zeroth() - surface;
+  for (int a = 0; a < Dim; ++a)
+    along[a] = Quad(1 / mass) * (m.first(a) - Quad(m.mass_at(a)) * surface) - Quad(place[a]) * all;
+  detail::find_slopes(m, middle, place, along, slope);
   const auto held = [&](Quad change) {
     if (c.surface.kind == WallKind::no_slip || c.sticks) return change;
     const double across = change[0] * c.normal[0] + change[1] * c.normal[1] + change[2] * c.normal[2];
     for (int a = 0; a < 3; ++a) change.set(a, across * c.normal[a]);
     return change;
   };
-  Quad change = held(surface - load_node(fit.at));
+  Quad at = surface;
+  for (int a = 0; a < Dim; ++a) at -= Quad(place[a]) * slope[a];
+  Quad change = held(at - load_node(fit.at));
   Quad impulse = Quad(mass) * change;
   store_node(fit.at, load_node(fit.at) + change);
   for (int a = 0; a < Dim; ++a) {

@@ -27,6 +27,7 @@ class VelocityFilter {
   FilterCost apply(Model<Dim, Shape>& m, const StepInput& step, double share) {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
     const SumsByTile contacts = find_fits(m, step, share);
+    if (m.has_solids()) add_up_over_columns(m);
     m.walls->extend(m.backend, fits_.data());
     const SumsByTile particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
       if (m.walls->near_wall(t)) {
@@ -115,17 +116,36 @@ class VelocityFilter {
       moments[i] = all_moments(first_.of(t)[i], second[i]);
       fits_.of(t)[i] = fit_velocity(moments[i], step.least_mass);
     }
+    const auto allowed = [&](int node) {
+      return m.walls->near_wall(t) ? m.walls->mirrors().allowed(m.grid.tile(t).place, node) : Quad(1.0);
+    };
     for (NodeContact& c : m.contacts_of(t)) {
       c.impulse = {};
-      if (!c.holds) continue;
+      if (!c.holds || c.column.is_highest()) continue;
       const FilterMoments<Dim>& around = moments[c.node];
-      const Vec<3> impulse = share * hold_fit(c, around, fits_.of(t)[c.node]);
-      c.pressed = dot(impulse, c.normal) / around.mass();
+      const Vec<3> impulse = share * hold_fit(c, around, m.domain.h, allowed(c.node), fits_.of(t)[c.node]);
+      c.pressed = dot(impulse, c.normal);
       c.impulse = impulse;
       sums[Sum::wall_work] += dot(impulse, c.velocity);
       if (!m.walls->near_wall(t)) sums.add(Sum::wall_impulse, impulse);
     }
     add_impulses_of_contacts(m, t);
+  }
+  /// What the fits have pressed on a surface at one node rubs on all nodes of its column.
+  void add_up_over_columns(Model<Dim, Shape>& m) {
+    const auto impulse_at = [&](int node, int surface) {
+      for (const NodeContact& c : m.contacts[std::size_t(node / Layout::n_nodes)])
+        if (c.node == node % Layout::n_nodes && c.number == surface) return c.impulse;
+      return Vec<3>{};
+    };
+    m.backend.for_each(m.shares, [&](int t, int) {
+      for (NodeContact& c : m.contacts_of(t)) {
+        if (c.column.n == 0) continue;
+        c.pressed = 0;
+        for (int k = 0; k < c.column.n; ++k)
+          if (c.column.nodes[k] >= 0) c.pressed += dot(impulse_at(c.column.nodes[k], c.number), c.normal);
+      }
+    });
   }
   /// The second moments of a tile near a wall.
   SecondMoments<Dim>* second_of(const Model<Dim, Shape>& m, int t) const {

@@ -175,22 +175,31 @@ void add_heat_of_contacts(Model<Dim, Shape>& m, int t) {
 template <int Dim, class Shape>
 SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
   const Quad gravity = m.gravity_at_nodes();
-  const double h = m.domain.h, layer = step.dt / (h * h * h);
-  const bool keeps = m.keeps_new_velocities();
-  SumsByTile sums_by_tile = m.over_nodes(m.grid.force_windows, m.grid.force, false, [&](int t, TileSums& sums) {
-    auto& g = m.grid;
-    const auto& walls = m.walls->mirrors();
-    const Index<Dim>& place = g.tile(t).place;
-    MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
-    MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
-    accelerate(place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t), g.velocity.of(t),
-               g.acceleration.of(t), new_velocity, sums);
-    if (!m.contact_finder.any()) return;
-    rub_on_surfaces(m.contacts_of(t), place, walls, {step.dt, layer}, gravity, g.force.of(t), g.velocity.of(t),
-                    new_velocity, g.acceleration.of(t), sums);
+  const bool keeps = m.keeps_new_velocities(), has_solids = m.has_solids();
+  auto& g = m.grid;
+  const auto& walls = m.walls->mirrors();
+  const auto rub = [&](int t, MassVelocity* new_velocity, TileSums& sums) {
+    rub_on_surfaces(m.contacts_of(t), g.tile(t).place, walls, {step.dt, m.domain.h}, gravity,
+                    {g.velocity.of(t), g.velocity.data(), g.force.of(t), g.force.data()}, new_velocity,
+                    g.acceleration.of(t), sums);
     add_impulses_of_contacts(m, t);
     add_heat_of_contacts(m, t);
+  };
+  SumsByTile sums_by_tile = m.over_nodes(g.force_windows, g.force, has_solids, [&](int t, TileSums& sums) {
+    MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
+    MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
+    accelerate(g.tile(t).place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t),
+               g.velocity.of(t), g.acceleration.of(t), new_velocity, sums);
+    if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
   });
+  if (has_solids)
+    m.backend.for_each(m.shares, [&](int t, int) {
+      if (m.contacts[std::size_t(t)].empty()) return;
+      MassVelocity again[TileLayout<Dim, Shape>::n_nodes];
+      for (int i = 0; !keeps && i < TileLayout<Dim, Shape>::n_nodes; ++i)
+        store_node(again[i], load_node(g.velocity.of(t)[i]) + Quad(step.dt) * load_node(g.acceleration.of(t)[i]));
+      rub(t, keeps ? g.new_velocity.of(t) : again, sums_by_tile[std::size_t(t)]);
+    });
   if (keeps) m.walls->extend(m.backend, m.grid.new_velocity.data());
   m.walls->extend(m.backend, m.grid.acceleration.data());
   return sums_by_tile;

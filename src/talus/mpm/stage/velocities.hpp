@@ -53,7 +53,7 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
   // Contacts with solids look at the mass around them; those with walls of the domain do not.
-  const bool has_solids = !m.contact_finder.solids().empty();
+  const bool has_solids = m.has_solids();
   const auto meet = [&](int t, TileSums& sums) {
     if (!m.contact_finder.any()) return;
     const auto& walls = m.walls->mirrors();
@@ -61,7 +61,8 @@ SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, boo
     const std::vector<NodeContact> before = filtered ? contacts : std::vector<NodeContact>();
     m.contact_finder.find(m.grid.tiles(), m.grid.momentum.data(), walls, m.walls->near_wall(t), t, step.time,
                           step.least_mass, contacts);
-    meet_surfaces(m.contacts_of(t), m.grid.tile(t).place, walls, 1 - step.kept, m.grid.velocity.of(t), sums);
+    meet_surfaces(m.contacts_of(t), m.grid.tile(t).place, walls, 1 - step.kept, step.least_mass, m.grid.momentum.data(),
+                  m.grid.velocity.of(t), sums);
     for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
   };
   SumsByTile sums_by_tile =
