@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <map>
 #include <numeric>
 #include <utility>
 #include <vector>
@@ -57,8 +56,9 @@ std::vector<ClosedContact<Dim>> closed_contacts(const Model<Dim, Shape>& m) {
 
 /// The numbers of tiles here.
 template <int Dim, class Shape>
-std::map<Index<Dim>, int> tiles_by_place(const Model<Dim, Shape>& m) {
-  std::map<Index<Dim>, int> at;
+TilesByPlace<Dim> tiles_by_place(const Model<Dim, Shape>& m) {
+  TilesByPlace<Dim> at;
+  at.reserve(std::size_t(m.grid.n_tiles()));
   for (int t = 0; t < m.grid.n_tiles(); ++t) at.emplace(m.grid.tile(t).place, t);
   return at;
 }
@@ -67,7 +67,7 @@ std::map<Index<Dim>, int> tiles_by_place(const Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 void set_closed_contacts(Model<Dim, Shape>& m, const std::vector<ClosedContact<Dim>>& closed) {
   if (closed.empty()) return;
-  const std::map<Index<Dim>, int> at = tiles_by_place(m);
+  const TilesByPlace<Dim> at = tiles_by_place(m);
   for (const ClosedContact<Dim>& c : closed) {
     const auto found = at.find(c.tile);
     if (found == at.end()) continue;
@@ -114,7 +114,7 @@ std::vector<RestingTile<Dim>> resting_tiles(const Model<Dim, Shape>& m) {
 template <int Dim, class Shape>
 void set_resting_tiles(Model<Dim, Shape>& m, const std::vector<RestingTile<Dim>>& resting) {
   if (resting.empty()) return;
-  const std::map<Index<Dim>, int> at = tiles_by_place(m);
+  const TilesByPlace<Dim> at = tiles_by_place(m);
   for (const RestingTile<Dim>& r : resting) {
     const auto found = at.find(r.tile);
     if (found == at.end() || !m.has_particles(found->second)) continue;

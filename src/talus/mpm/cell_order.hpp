@@ -93,22 +93,19 @@ struct OccupiedTiles {
 
   /// Appends work, in any order.
   void add(const Index<Dim>& place, long w) {
-    if (places.empty() || !are_same<Dim>(places.back(), place)) {
-      places.push_back(place);
-      work.push_back(0);
-    }
+    if (places.empty() || !are_same<Dim>(places.back(), place)) append(place, place_on_curve<Dim>(place));
     work.back() += w;
+  }
+  void add(const OccupiedTiles& others) {
+    for (std::size_t t = 0; t < others.places.size(); ++t) add_tile(others, t);
   }
   /// Puts tiles in order, each once.
   void sort() {
-    std::vector<std::pair<std::uint64_t, int>> order;
-    for (const Index<Dim>& place : places) order.emplace_back(place_on_curve<Dim>(place), int(order.size()));
+    std::vector<std::pair<std::uint64_t, std::size_t>> order;
+    for (const std::uint64_t on_curve : on_curve_) order.emplace_back(on_curve, order.size());
     std::sort(order.begin(), order.end());
     OccupiedTiles sorted;
-    for (const auto& [on_curve, i] : order) {
-      sorted.add(places[std::size_t(i)], work[std::size_t(i)]);
-      if (sorted.places.size() > sorted.on_curve_.size()) sorted.on_curve_.push_back(on_curve);
-    }
+    for (const auto& [on_curve, t] : order) sorted.add_tile(*this, t);
     *this = std::move(sorted);
   }
   /// The number of a tile, once they are in order.
@@ -117,6 +114,16 @@ struct OccupiedTiles {
   }
 
  private:
+  void add_tile(const OccupiedTiles& others, std::size_t t) {
+    if (places.empty() || on_curve_.back() != others.on_curve_[t]) append(others.places[t], others.on_curve_[t]);
+    work.back() += others.work[t];
+  }
+  void append(const Index<Dim>& place, std::uint64_t on_curve) {
+    places.push_back(place);
+    work.push_back(0);
+    on_curve_.push_back(on_curve);
+  }
+
   std::vector<std::uint64_t> on_curve_;
 };
 /// `cost(b, i)`: work that particle i of body b makes.
@@ -128,10 +135,10 @@ OccupiedTiles<Dim> occupied_tiles(const Bodies& bodies, const Domain<Dim>& domai
     for (std::size_t b = 0; b < bodies.size(); ++b)
       for (int i = rows[b][std::size_t(part)].begin; i < rows[b][std::size_t(part)].end; ++i)
         parts[std::size_t(part)].add(tile_of_cell<Dim>(cell_of_particle(bodies[b].particles, i, domain)), cost(b, i));
+    parts[std::size_t(part)].sort();
   });
   OccupiedTiles<Dim> occupied;
-  for (const OccupiedTiles<Dim>& part : parts)
-    for (std::size_t t = 0; t < part.places.size(); ++t) occupied.add(part.places[t], part.work[t]);
+  for (const OccupiedTiles<Dim>& part : parts) occupied.add(part);
   occupied.sort();
   return occupied;
 }

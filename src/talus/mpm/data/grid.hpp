@@ -1,6 +1,7 @@
 #pragma once
 /// The background grid: only the tiles with material, and the nodes around them.
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -19,24 +20,30 @@ struct CellRange {
   Index<Dim> low, high;
 };
 
+/// Numbers of tiles by their places.
+template <int Dim>
+struct HashOfIndex {
+  std::size_t operator()(const Index<Dim>& i) const {
+    std::uint64_t h = 0;
+    for (int a = 0; a < Dim; ++a) h = (h ^ std::uint64_t(std::uint32_t(i[a]))) * 0x9e3779b97f4a7c15u;
+    return std::size_t(h ^ (h >> 32));
+  }
+};
+template <int Dim>
+using TilesByPlace = std::unordered_map<Index<Dim>, int, HashOfIndex<Dim>>;
+
 /// The given occupied tiles in the given order, then the empty ones whose nodes their particles reach. `cells`: one for
 /// each occupied tile. `period`: period in tiles along each axis; 0 if not periodic.
 template <int Dim, class Shape>
 std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, const std::vector<CellRange<Dim>>& cells,
                                     const Index<Dim>& period) {
   using Layout = TileLayout<Dim, Shape>;
-  struct Hash {
-    std::size_t operator()(const Index<Dim>& i) const {
-      std::uint64_t h = 0;
-      for (int a = 0; a < Dim; ++a) h = (h ^ std::uint64_t(std::uint32_t(i[a]))) * 0x9e3779b97f4a7c15u;
-      return std::size_t(h ^ (h >> 32));
-    }
-  };
-  std::unordered_map<Index<Dim>, int, Hash> at;
+  TilesByPlace<Dim> at;
   at.reserve(occupied.size() * 2);
   std::vector<Tile<Dim>> tiles;
   const auto add = [&](const Index<Dim>& place, bool holds_particles) {
-    if (at.emplace(place, int(tiles.size())).second) tiles.push_back({place, {}, holds_particles});
+    if (!at.try_emplace(place, int(tiles.size())).second) return;
+    std::fill_n(tiles.emplace_back(Tile<Dim>{place, {}, holds_particles}).neighbours, n_neighbours<Dim>, -1);
   };
   const auto moved = [&](Index<Dim> place, const Index<Dim>& offset) {
     for (int a = 0; a < Dim; ++a) {
@@ -56,11 +63,16 @@ std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, con
       }
       if (reached) add(moved(occupied[t], offset), false);
     }
-  for (auto& tile : tiles)
-    for (int n = 0; n < n_neighbours<Dim>; ++n) {
-      const auto found = at.find(moved(tile.place, offset_of<Dim>(n)));
-      tile.neighbours[n] = found == at.end() ? -1 : found->second;
+  constexpr int itself = neighbour_at<Dim>({});
+  for (int t = 0; t < int(tiles.size()); ++t) {
+    tiles[std::size_t(t)].neighbours[itself] = t;
+    for (int n = 0; n < itself; ++n) {
+      const auto found = at.find(moved(tiles[std::size_t(t)].place, offset_of<Dim>(n)));
+      if (found == at.end()) continue;
+      tiles[std::size_t(t)].neighbours[n] = found->second;
+      tiles[std::size_t(found->second)].neighbours[2 * itself - n] = t;  // as seen from there
     }
+  }
   return tiles;
 }
 
