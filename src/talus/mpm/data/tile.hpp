@@ -129,7 +129,7 @@ TALUS_HD void clear_window(Node* window) {
 /// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours.
 /// `windows`: those of all tiles, one after the other.
 template <int Dim, class Shape, class Node>
-TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, Node* sums) {
+TALUS_FLATTEN TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, Node* sums) {
   using Layout = TileLayout<Dim, Shape>;
   for (int i = 0; i < Layout::n_nodes; ++i) sums[i] = Node{};
   const auto add = [&]<int neighbour>(std::integral_constant<int, neighbour>) {
