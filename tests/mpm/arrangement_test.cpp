@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "backend/split_backend.hpp"
 #include "mpm/small_model.hpp"
 
@@ -32,10 +34,25 @@ TEST(Arrangement, EveryTileIsInTheShareOfOneThread) {
                      make_openmp(3));
   auto& m = small.model;
   arrange(m);
-  ASSERT_EQ(m.shares.size(), 4u);
-  EXPECT_EQ(m.shares.front(), 0);
-  EXPECT_EQ(m.shares.back(), m.grid.n_tiles());
-  EXPECT_TRUE(std::is_sorted(m.shares.begin(), m.shares.end()));
+  const auto& [tiles, shares] = m.all_tiles;
+  ASSERT_EQ(shares.size(), 4u);
+  EXPECT_EQ(shares.front(), 0);
+  EXPECT_EQ(shares.back(), m.grid.n_tiles());
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  std::vector<int> sorted = tiles;
+  std::sort(sorted.begin(), sorted.end());
+  for (int t = 0; t < m.grid.n_tiles(); ++t) EXPECT_EQ(sorted[std::size_t(t)], t);
+}
+
+TEST(Arrangement, ThreadsHaveTheEmptyTilesAroundTheirParticles) {
+  // Particles far apart, each in the middle of a tile whose particles reach the tiles before it.
+  SmallModel<> small(unit_cells<2>(64), {{8.5, 8.5}, {40.5, 40.5}}, pure_flip(), {}, {}, {{1000, 0}}, make_openmp(2));
+  auto& m = small.model;
+  arrange(m);
+  const auto& [tiles, shares] = m.all_tiles;
+  ASSERT_EQ(int(tiles.size()), 8) << "two with a particle, each with three empty ones around it";
+  ASSERT_EQ(shares, (Shares{0, 4, 8}));
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(m.grid.tile(tiles[std::size_t(i)]).place[0] < 5, i < 4);
 }
 
 TEST(Arrangement, ClosedContactsGoAlongWithTheirTiles) {

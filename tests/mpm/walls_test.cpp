@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
+
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 
@@ -26,7 +28,9 @@ struct Corner {
 
   explicit Corner(const std::array<Wall, 4>& sides) : walls({{0, 0}, 1, {8, 8}, sides}, tiles_at<2, Shape>({{0, 0}})) {
     grid.set_tiles(tiles_at<2, Shape>({{0, 0}}), {all_cells<2>()});
-    walls.rest_on(grid.tiles(), {0, grid.n_tiles()});
+    std::vector<int> all(std::size_t(grid.n_tiles()));
+    std::iota(all.begin(), all.end(), 0);
+    walls.rest_on(grid.tiles(), {all, {0, grid.n_tiles()}});
   }
 
   /// What walls leave of the velocities that `at` gives, images included, in the window of the first tile.

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -122,9 +120,27 @@ void set_resting_tiles(Model<Dim, Shape>& m, const std::vector<RestingTile<Dim>>
   }
 }
 
+/// All tiles in the order in which threads take them: each empty one behind the first occupied tile around it, which reads
+/// and writes the same nodes.
+template <int Dim, class Shape>
+std::vector<int> order_of_work(const Grid<Dim, Shape>& grid) {
+  std::vector<std::pair<int, int>> order;
+  for (int t = 0; t < grid.n_tiles(); ++t) {
+    int first = t;
+    if (!grid.tile(t).occupied)
+      for (const int other : grid.tile(t).neighbours)
+        if (other >= 0) first = std::min(first, other);
+    order.emplace_back(first, t);
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<int> tiles;
+  for (const auto& [first, t] : order) tiles.push_back(t);
+  return tiles;
+}
+
 /// Divides tiles among threads in shares of about equal work.
 template <int Dim, class Shape>
-Shares deal_out(const Model<Dim, Shape>& m, const std::vector<int>& tiles) {
+SharedOut deal_out(const Model<Dim, Shape>& m, std::vector<int> tiles) {
   constexpr long nodes = TileLayout<Dim, Shape>::n_nodes / 8;  // cost of the nodes of a tile, in particles
   const int n_workers = m.backend.n_workers();
   std::vector<long> work{0};
@@ -133,22 +149,21 @@ Shares deal_out(const Model<Dim, Shape>& m, const std::vector<int>& tiles) {
     if (m.grid.tile(t).occupied)
       for (const auto& body : m.bodies) work.back() += body.tiles[std::size_t(t)].size();
   }
-  Shares shares;
+  SharedOut loop{std::move(tiles), {}};
   for (int w = 0; w <= n_workers; ++w)
-    shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
-  return shares;
+    loop.shares.push_back(int(std::lower_bound(work.begin(), work.end(), work.back() * w / n_workers) - work.begin()));
+  return loop;
 }
 template <int Dim, class Shape>
 void deal_out_tiles(Model<Dim, Shape>& m) {
-  std::vector<int> all(std::size_t(m.grid.n_tiles()));
-  std::iota(all.begin(), all.end(), 0);
-  m.shares = deal_out(m, all);
+  m.all_tiles = deal_out(m, order_of_work(m.grid));
   if (m.backend.n_owners() == 1) return;
-  m.border.numbers = tiles_to_send(m.halo);
-  m.inside.numbers.clear();
-  std::set_difference(all.begin(), all.end(), m.border.numbers.begin(), m.border.numbers.end(),
-                      std::back_inserter(m.inside.numbers));
-  for (SharedOut* loop : {&m.border, &m.inside}) loop->shares = deal_out(m, loop->numbers);
+  const std::vector<int> border = tiles_to_send(m.halo);
+  std::vector<int> inside;
+  for (int t = 0; t < m.grid.n_tiles(); ++t)
+    if (!std::binary_search(border.begin(), border.end(), t)) inside.push_back(t);
+  m.border = deal_out(m, border);
+  m.inside = deal_out(m, inside);
 }
 
 /// Sets up the grid for the particles of this owner, which are in the order of cells. `tiles` of the bodies are ranges
@@ -177,7 +192,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   }
   m.contact_finder.number_tiles({m.grid.tiles(), std::size_t(m.grid.n_tiles())});
   deal_out_tiles(m);
-  m.walls->rest_on(m.grid.tiles(), m.shares);
+  m.walls->rest_on(m.grid.tiles(), m.all_tiles);
 }
 
 /// Cost of the nodes of a tile in a step, without its particles.

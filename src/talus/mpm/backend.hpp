@@ -16,17 +16,22 @@ namespace talus {
 /// of successive loops stay in its cache. A worker that has finished helps the others.
 using Shares = std::vector<int>;
 
-/// Some of these numbers, in increasing order, and how they are dealt out.
+/// Numbers from 0 on, or some of them, in the order in which a loop takes them, and how they are dealt out.
 struct SharedOut {
   std::vector<int> numbers;
   Shares shares;
 };
-/// Each worker has the same numbers as in `shares`, as far as they are among `some`.
-inline Shares shares_of_some(const std::vector<int>& some, const Shares& shares) {
-  Shares of_some;
-  for (const int first : shares)
-    of_some.push_back(int(std::lower_bound(some.begin(), some.end(), first) - some.begin()));
-  return of_some;
+/// Some of all numbers; each worker has the same ones as in the loop over `all`.
+inline SharedOut part_of(const SharedOut& all, const std::vector<int>& some) {
+  std::vector<char> is_in(all.numbers.size(), 0);
+  for (const int i : some) is_in[std::size_t(i)] = 1;
+  SharedOut part{{}, {0}};
+  for (std::size_t w = 0; w + 1 < all.shares.size(); ++w) {
+    for (int i = all.shares[w]; i < all.shares[w + 1]; ++i)
+      if (is_in[std::size_t(all.numbers[std::size_t(i)])]) part.numbers.push_back(all.numbers[std::size_t(i)]);
+    part.shares.push_back(int(part.numbers.size()));
+  }
+  return part;
 }
 
 /// Message of one owner to another.
@@ -44,6 +49,11 @@ class Backend {
   /// exception ends the loop and is passed on.
   virtual void for_each(const Shares& shares, const std::function<void(int i, int worker)>& body) = 0;
 
+  /// The same for the numbers of a loop.
+  template <class F>
+  void for_each(const SharedOut& loop, F body) {
+    for_each(loop.shares, [&](int i, int worker) { body(loop.numbers[std::size_t(i)], worker); });
+  }
   /// The same for i in [0, n), in equal shares.
   void for_each(int n, const std::function<void(int i, int worker)>& body) {
     Shares shares(n_workers() + 1);

@@ -129,7 +129,7 @@ struct Model {
   std::vector<std::vector<NodeContact>> contacts;  ///< tile by tile
   AccountsByTile accounts;                         ///< of this step
   std::vector<TileRest> rests;                     ///< tile by tile; empty without `rest_tolerance`
-  Shares shares;                                   ///< the tiles, dealt out to threads
+  SharedOut all_tiles;                             ///< dealt out to threads
   SharedOut border, inside;                        ///< with several owners: tiles that others need, and the rest
   std::vector<Scratch> scratch;                    ///< one a thread
   long n_steps_in_order = 0;                       ///< since particles were put in order
@@ -150,17 +150,17 @@ struct Model {
   /// need come first; these are on their way while the others are computed.
   template <class Windows, class F>
   void fill_windows(const Windows& windows, F f) {
-    if (backend.n_owners() == 1) return backend.for_each(shares, f);
-    for_each_of(border, f);
+    if (backend.n_owners() == 1) return backend.for_each(all_tiles, f);
+    backend.for_each(border, f);
     begin_exchange(backend, halo, windows);
-    for_each_of(inside, f);
+    backend.for_each(inside, f);
   }
 
   /// Runs f(tile, worker, sums) for every tile and returns the sums.
   template <class F>
   SumsByTile over_tiles(F f) {
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    backend.for_each(shares, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
+    backend.for_each(all_tiles, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
     return sums;
   }
   /// The same for an f that fills windows, unless they are null.
@@ -238,7 +238,7 @@ struct Model {
   SumsByTile over_nodes(Windows& windows, Nodes& nodes, bool of_all, F f) {
     finish_exchange(backend, halo, windows);
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    backend.for_each(shares, [&](int t, int) {
+    backend.for_each(all_tiles, [&](int t, int) {
       const bool needs = needs_nodes(t);
       if (of_all || needs) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
       TileSums& of_tile = sums[std::size_t(t)] = {};
@@ -251,12 +251,6 @@ struct Model {
   template <class Nodes>
   auto window_of(int t, const Nodes& nodes, typename Nodes::Value* window) const {
     fill_window<Dim, Shape>(grid.tile(t), nodes.data(), window);
-  }
-
- private:
-  template <class F>
-  void for_each_of(const SharedOut& loop, F& f) {
-    backend.for_each(loop.shares, [&](int i, int worker) { f(loop.numbers[std::size_t(i)], worker); });
   }
 };
 

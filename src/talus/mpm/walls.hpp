@@ -34,10 +34,10 @@ class Walls {
       }
   }
 
-  /// Sets new tiles, and how they are dealt out.
-  void rest_on(const Tile<Dim>* tiles, const Shares& shares) {
+  /// Sets new tiles, and how all of them are dealt out.
+  void rest_on(const Tile<Dim>* tiles, const SharedOut& all) {
     tiles_ = tiles;
-    const auto deal_out = [&](SharedOut& some) { some.shares = shares_of_some(some.numbers, shares); };
+    const auto deal_out = [&](SharedOut& some) { some = part_of(all, some.numbers); };
     deal_out(near_walls_);
     for (Held& held : tiles_with_)
       for (SharedOut* some : {&held.originals, &held.walls, &held.images}) deal_out(*some);
@@ -52,7 +52,7 @@ class Walls {
   /// Calls f(t) for the tiles with nodes on, behind or beside walls.
   template <class F>
   void for_each_tile(Backend& backend, F f) const {
-    backend.for_each(near_walls_.shares, [&](int i, int) { f(near_walls_.numbers[std::size_t(i)]); });
+    backend.for_each(near_walls_, [&](int t, int) { f(t); });
   }
 
   /// Adds the sums at images to their originals.
@@ -110,13 +110,13 @@ class Walls {
     if (tiles.numbers.size() * power(tile_edge, Dim - 1) <= few_nodes)
       for (const int t : tiles.numbers) f(t);
     else
-      backend.for_each(tiles.shares, [&](int i, int) { f(tiles.numbers[std::size_t(i)]); });
+      backend.for_each(tiles, [&](int t, int) { f(t); });
   }
 
   Mirrors<Dim> mirrors_;
   const Tile<Dim>* tiles_ = nullptr;
   Held tiles_with_[2 * Dim];
-  std::vector<int> near_wall_;  ///< of every tile, its number in `near_walls_`, or -1
+  std::vector<int> near_wall_;  ///< of every tile, its number among those near walls, or -1
   SharedOut near_walls_;        ///< tiles
 };
 

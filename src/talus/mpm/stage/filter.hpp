@@ -88,14 +88,14 @@ class VelocityFilter {
   /// Eight of the moments of all nodes. `take(t, second)` gets the second ones of a tile's nodes, if they are among them.
   template <int octet, class Take>
   void find_octet(Model<Dim, Shape>& m, Take take) {
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.has_particles(t)) return;
       clear_window<Dim, Shape>(windows_.of(t));
       if (m.is_left_out(t)) return;
       m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<octet>(p, m.domain, windows_.of(t)); });
     });
     exchange_windows(m.backend, m.halo, windows_);
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.needs_nodes(t)) return;
       EightMoments sums[Layout::n_nodes];
       SecondMoments<Dim> second[Layout::n_nodes];

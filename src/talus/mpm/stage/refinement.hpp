@@ -24,7 +24,7 @@ class ParticleRefinement {
 
   /// Deforms the boxes of particles for `time` [s] with the velocities of the nodes.
   void stretch(Model<Dim, Shape>& m, double time) {
-    m.backend.for_each(m.shares, [&](int t, int worker) {
+    m.backend.for_each(m.all_tiles, [&](int t, int worker) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
       MassVelocity velocity[Layout::n_window];
       m.window_of(t, m.grid.velocity, velocity);
@@ -113,7 +113,7 @@ class ParticleRefinement {
 
   void count_cells(Model<Dim, Shape>& m) {
     counts_.resize(m.grid.n_occupied());
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.has_particles(t)) return;
       std::fill_n(counts_.of(t), CellCounts<Dim>::n, 0.0);
       for (const auto& body : m.bodies)
@@ -128,7 +128,7 @@ class ParticleRefinement {
     const SplittingRule splitting{m.numerics.particle_splitting, rest_speed_of(m),
                                   2 * (1 - rounding) * mean_mass / most_parts};
     std::vector<Plan> plans(std::size_t(m.grid.n_tiles()));
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
       auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };

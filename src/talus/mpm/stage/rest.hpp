@@ -123,7 +123,7 @@ void resist(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& sums) 
 template <int Dim, class Shape>
 void rest_again(Model<Dim, Shape>& m) {
   if (m.rests.empty()) return;
-  m.backend.for_each(m.shares, [&](int t, int worker) {
+  m.backend.for_each(m.all_tiles, [&](int t, int worker) {
     if (m.rests[std::size_t(t)].state.is_asleep != 0) leave_out(m, t, worker);
   });
 }

@@ -42,15 +42,15 @@ class ParticleShift {
     excess_ = m.grid.template in_room_of_nodes<double>(2 * sizeof(double));
     m.fill_windows(windows_, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
     finish_exchange(m.backend, m.halo, windows_);
-    m.backend.for_each(m.shares,
+    m.backend.for_each(m.all_tiles,
                        [&](int t, int) { add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), volume_.of(t)); });
     m.walls->fold(m.backend, volume_.data());
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       for (int i = 0; i < Layout::n_nodes; ++i)
         filling_.of(t)[i] = volume_.of(t)[i] / m.rooms.at(m.grid.tile(t).place, i);
     });
     m.walls->extend_evenly(m.backend, filling_.data());
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       double filling[Layout::n_window];
       m.window_of(t, filling_, filling);
       find_excess<Dim, Shape>(filling, excess_.of(t));

@@ -72,7 +72,7 @@ SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, boo
         if (!has_solids) meet(t, sums);
       });
   if (has_solids)
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (m.needs_nodes(t)) meet(t, sums_by_tile[std::size_t(t)]);
     });
   m.walls->extend(m.backend, m.grid.velocity.data());
