@@ -138,7 +138,7 @@ class VelocityFilter {
         if (c.node == node % Layout::n_nodes && c.number == surface) return c.impulse;
       return Vec<3>{};
     };
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       for (NodeContact& c : m.contacts_of(t)) {
         if (c.column.n == 0) continue;
         c.pressed = 0;

@@ -193,7 +193,7 @@ SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
   });
   if (has_solids)
-    m.backend.for_each(m.shares, [&](int t, int) {
+    m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (m.contacts[std::size_t(t)].empty()) return;
       MassVelocity again[TileLayout<Dim, Shape>::n_nodes];
       for (int i = 0; !keeps && i < TileLayout<Dim, Shape>::n_nodes; ++i)
