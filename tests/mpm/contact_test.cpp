@@ -526,7 +526,7 @@ TEST(Solids, AViscousLayerOnAFloorThatSetsOutMovesAsInTheoryWhereverTheFloorLies
     BodySpec body;
     body.region = points;
     what.bodies = {body};
-    what.numerics.tau = 0.02;
+    what.numerics.transfer = Transfer::apic;
     what.end = 1;
     const auto loop = make_serial();
     const auto s = make_simulation(what, *loop);
