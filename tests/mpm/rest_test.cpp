@@ -116,7 +116,7 @@ TEST(Rest, EndsWhereSomethingFallsOnIt) {
   run_until(*s, impact + 0.5 * fall);
   EXPECT_LT(share_left_out(*s), 0.5 * of_column);
   run_until(*s, impact + 50 * fall);
-  EXPECT_GT(share_left_out(*s), 0.9) << "and all comes to rest again, but for grains that lie loose on top";
+  EXPECT_GT(share_left_out(*s), 0.95) << "and all comes to rest again, but for grains on top";
   expect_all_momentum(s->ledger());
   // What carries it then has the weight of both: 0.5 m and, on half of the width, 0.2 m of sand.
   const Observation seen = s->observe();

@@ -172,17 +172,12 @@ TALUS_HD R viscous_pressure(R damping, R rate, R bulk_tension) {
 /// Gap (a volumetric strain) after a step in material at rest. In a cell with few particles the velocities of nodes are
 /// those of neighbouring particles, which may carry the weight, so that the gap would remain. Therefore a gap s in a
 /// cell h closes at the rate sqrt(g s/h), in the time 2 sqrt(s h/g), as grains would fall through it. Material in flow
-/// or flight keeps its gaps, and so does what has opened more than a packing can settle: single grains at rest above others
-/// would else carry each other across empty cells.
+/// or flight keeps its gaps.
 template <Number R>
 TALUS_HD R gap_of_rest(R gap, double fallen) {
   const R root = max(sqrt(gap) - R(fallen), R(0.0));
   return root * root;
 }
-
-/// Volumetric strain from the loosest to the densest packing of a sand: ln(1.977/1.597), void ratios 0.977 and 0.597 of Toyoura
-/// sand (Verdugo and Ishihara 1996, Soils Found. 36:81).
-inline constexpr double most_settling = 0.21;
 
 /// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where a gap has
 /// closed.
@@ -191,8 +186,8 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
                               const StressUpdate& how, typename Law::template State<R>& state) {
   using State = typename Law::template State<R>;
   using talus::select;  // laws have another `select` in `detail`
-  const R zero(0.0), growth(law.growth_in_gap()), x = Law::compression(state);
-  mask_t<R> closes = (x < zero) & (x > R(-most_settling) * growth);
+  const R zero(0.0), x = Law::compression(state);
+  mask_t<R> closes = x < zero;
   if (!any(closes)) return closes;
   R speed2(0.0);
   for (int a = 0; a < Dim; ++a) {
@@ -201,9 +196,9 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
   }
   closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
   if (!any(closes)) return closes;
-  const R left = gap_of_rest(max(zero - x, zero) / growth, 0.5 * how.dt * how.closing);
+  const R a(law.growth_in_gap()), left = gap_of_rest(max(zero - x, zero) / a, 0.5 * how.dt * how.closing);
   State closed = state;
-  law.impose_compression(closed, zero - growth * left, zero);
+  law.impose_compression(closed, zero - a * left, zero);
   for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
     numbers_of<R>(state)[k] = select(closes, numbers_of<R>(closed)[k], numbers_of<R>(state)[k]);
   return closes & !(left > zero);
