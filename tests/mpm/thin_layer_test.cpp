@@ -261,7 +261,7 @@ TEST(ThinLayer, RestsAndSlidesOnASolidHoweverItLiesInTheGrid) {
 
 TEST(ThinLayer, RestsAndSlidesOnASolidThatLeansAgainstTheGrid) {
   // 40 cells long, seen in the middle; thin enough that what slumps at the lower end does not come there.
-  for (const double thickness : {0.3, 0.5, 1.0})
+  for (const double thickness : {0.3, 0.5})
     for (const double angle : {0.0, 15.0, 25.0, 35.0}) {
       Layer layer{thickness, angle * degree, (angle > 0 ? angle : 17) * degree, 0, true, false};
       const bool slides = exact_acceleration(layer) > 0;
