@@ -46,15 +46,15 @@ struct ContactColumn {
 struct NodeContact {
   int node;  ///< in its tile
   Wall surface;
-  Vec<3> normal;      ///< of unit length, out of the surface
-  Vec<3> velocity{};  ///< of the surface, or of the solid at the node [m/s]
-  int number = 0;     ///< of the surface: solids are counted first, then the sides of the domain
-  int account = 0;    ///< that its impulses are added to (surface_accounts.hpp)
-  ContactColumn column{};
-  bool closed = false;   ///< there was pressure on it in the last step
-  bool sticks = false;   ///< and friction has prevented sliding
-  bool holds = false;    ///< has stopped a motion through the surface
-  bool presses = false;  ///< has done so after forces have acted
+  Vec<3> normal;           ///< of unit length, out of the surface
+  Vec<3> velocity{};       ///< of the surface, or of the solid at the node [m/s]
+  int number = 0;          ///< of the surface: solids are counted first, then the sides of the domain
+  int account = 0;         ///< that its impulses are added to (surface_accounts.hpp)
+  ContactColumn column{};  ///< nodes that are in contact together with this one
+  bool closed = false;     ///< there was pressure on it in the last step
+  bool sticks = false;     ///< and friction has prevented sliding
+  bool holds = false;      ///< has stopped a motion through the surface
+  bool presses = false;    ///< has done so after forces have acted
   double pressed = 0;  ///< impulse along the normal that the particles have felt in this step [N s]; on all of a column
   double drag = 0;     ///< what slides at a speed v is slowed by the force `drag` v^2 beside friction [kg/m]
   /// Impulse on the node in the last stage of the step [N s]: first the share felt by particles of the impulse that

@@ -14,7 +14,7 @@
 /// Mech. Eng. 318:724); it treats the free edge of a body as noise; this one does not.
 ///
 /// Where walls mirror, the fits are those of the material with its image. At contacts a fit must not move material
-/// through the surface: it is replaced by the best fit that does not, at the node.
+/// through the surface: it is replaced by the best fit that does not, there.
 ///
 /// Reads places, masses and velocities of particles; moments are added up eight at a time, so that a window fits into
 /// the first cache.
