@@ -17,6 +17,7 @@
 #include "talus/geometry/solid.hpp"
 #include "talus/mpm/data/grid.hpp"
 #include "talus/mpm/kernel/contact.hpp"
+#include "talus/mpm/rows_across.hpp"
 #include "talus/mpm/surface_accounts.hpp"
 
 namespace talus {
@@ -61,7 +62,7 @@ class ContactFinder {
         if (const auto* mesh = std::get_if<Mesh>(&solid.shape)) {
           // From afar the distance is that of the box around the surface: of one smaller than a cell too small by its size.
           const double size = length(mesh->surface->high() - mesh->surface->low());
-          beside.reach = (1 + rounding) * domain.h + (size < domain.h ? size : 0);
+          beside.reach = (1 + rounding_of_place) * domain.h + (size < domain.h ? size : 0);
           if (is_far(beside, finder.place_of(tile, 0.5 * tile_edge), tile_edge)) continue;
         }
         solids_.push_back(std::move(beside));
@@ -207,109 +208,20 @@ class ContactFinder {
   /// Nodes this deep below the ground have no mass: material on it is less than two cells away along each axis.
   static constexpr double deepest = 3.5;
 
-  /// Nodes in a row along an axis across a surface, for a `ContactColumn`.
-  struct RowAcross {
-    int axis, step;                                     ///< 1 or -1, out of the surface
-    int n, own;                                         ///< nodes, and which of them it is the row of
-    std::array<double, ContactColumn::most> distances;  ///< from the deepest on [m]
-    Vec<3> normal;                                      ///< of the surface where it crosses it
-
-    /// Node k, if `self` is the node that it is the row of.
-    Index<Dim> node(Index<Dim> self, int k) const {
-      self[axis] += step * (k - own);
-      return self;
-    }
-  };
-  /// The row that a node of the grid belongs to at a solid, if the surface around it is smooth, the solid thick and nothing in
-  /// front of it. `near`: distance and normal at a place; `axis`: along which all rows run, or -1 for that nearest to the
-  /// normal.
-  template <class Near>
-  std::optional<RowAcross> row_across(int solid, Near near, const Index<Dim>& node, const Nearness& here,
-                                      int axis = -1) const {
-    const double h = domain_.h;
-    const auto axis_of = [&](const Vec<3>& normal) {
-      if (axis >= 0) return axis;
-      int most = 0;
-      for (int a = 1; a < Dim; ++a)
-        if (std::abs(normal[a]) > std::abs(normal[most]) + rounding) most = a;
-      return most;
+  /// Whether a place lies in a solid at rest other than this one, or outside the domain.
+  auto is_taken(int solid) const {
+    return [this, solid](const Vec<3>& x) {
+      for (int a = 0; a < Dim; ++a) {
+        const double at = (x[a] - domain_.origin[a]) / domain_.h, last = domain_.n_cells[a];
+        if (!domain_.is_periodic(a) && (at < -rounding_of_place || at > last + rounding_of_place)) return true;
+      }
+      for (int n = 0; n < int(solids_.size()); ++n) {
+        const Solid& other = solids_[std::size_t(n)];
+        if (n == solid || !other.motion.rests()) continue;
+        if (other.near(x, other.motion.at(0), Dim).distance < -rounding_of_place * domain_.h) return true;
+      }
+      return false;
     };
-    // Half the width of a cell across the surface: the node above the highest one then does not touch the surface.
-    const auto width = [&](const Vec<3>& n) { return h * (std::abs(n[0]) + std::abs(n[1]) + std::abs(n[2])); };
-    const auto is_above = [&](const Nearness& at) { return at.distance >= (0.5 - rounding) * width(at.normal); };
-    const int along = axis_of(here.normal), step = here.normal[along] > 0 ? 1 : -1;
-    const auto place_at = [&](int steps) {
-      Index<Dim> there = node;
-      there[along] += steps * step;
-      return place_of(there);
-    };
-    constexpr double alike = 0.8;  // the cosine of the angle between normals
-    const auto belongs = [&](const Nearness& one, const Nearness& highest) {
-      return axis_of(one.normal) == along && dot(one.normal, highest.normal) > alike;
-    };
-    int up = 0;
-    Nearness highest = here;
-    while (!is_above(highest)) {
-      if (++up == ContactColumn::most) return std::nullopt;
-      highest = near(place_at(up));
-    }
-    if (axis_of(highest.normal) != along || !belongs(here, highest)) return std::nullopt;
-    if (is_in_another(solid, place_at(up))) return std::nullopt;
-    RowAcross row{along, step, 1, 0, {highest.distance}, highest.normal};
-    int lowest = up;
-    while (row.n < ContactColumn::most) {
-      const Nearness next = lowest == 1 ? here : near(place_at(lowest - 1));
-      const double least = row.distances[std::size_t(row.n - 1)] - 0.3 * h * std::abs(highest.normal[along]);
-      if (is_above(next) || !belongs(next, highest) || next.distance > least) break;
-      if (next.distance < -1.5 * width(next.normal)) break;  // no material reaches it
-      row.distances[std::size_t(row.n++)] = next.distance;
-      --lowest;
-    }
-    if (row.n == 1 || lowest > 0) return std::nullopt;
-    // Where the row crosses the surface, by the two nodes about it.
-    int behind = 1;
-    while (behind + 1 < row.n && row.distances[std::size_t(behind)] > 0) ++behind;
-    const double in_front = row.distances[std::size_t(behind - 1)],
-                 share = in_front / (in_front - row.distances[std::size_t(behind)]);
-    const Vec<3> above = place_at(up - behind + 1);
-    const Vec<3> crossing = above + share * (place_at(up - behind) - above);
-    row.normal = near(crossing).normal;
-    if (near(crossing - (thin_below * h) * row.normal).distance >= 0) return std::nullopt;
-    // In a gully material reaches the nodes of both flanks, and each row would let it fall along its own. Not whole cells: as
-    // edges often lie on nodes, rounding would decide.
-    if (!is_smooth(near, crossing, row.normal, 1.9, alike)) return std::nullopt;
-    std::reverse(row.distances.begin(), row.distances.begin() + row.n);
-    row.own = -lowest;
-    return row;
-  }
-  /// Whether a place lies in another solid at rest, or outside the domain.
-  bool is_in_another(int solid, const Vec<3>& x) const {
-    for (int a = 0; a < Dim; ++a) {
-      const double at = (x[a] - domain_.origin[a]) / domain_.h;
-      if (!domain_.is_periodic(a) && (at < -rounding || at > domain_.n_cells[a] + rounding)) return true;
-    }
-    for (int n = 0; n < int(solids_.size()); ++n) {
-      const Solid& other = solids_[std::size_t(n)];
-      if (n != solid && other.motion.rests() && other.near(x, other.motion.at(0), Dim).distance < -rounding * domain_.h)
-        return true;
-    }
-    return false;
-  }
-  /// The column of a row, at a node of a tile.
-  static ContactColumn column_of(const Tile<Dim>& tile, int node, const RowAcross& row, const Vec<3>& spin) {
-    ContactColumn column;
-    column.n = row.n;
-    column.own = row.own;
-    column.spin = spin;
-    for (int k = 0; k < row.n; ++k) {
-      Index<Dim> i = row.node(unflatten<Dim>(node, tile_edge), k), offset{};
-      offset[row.axis] = i[row.axis] < 0 ? -1 : i[row.axis] >= tile_edge ? 1 : 0;
-      i[row.axis] -= tile_edge * offset[row.axis];
-      const int other = tile.neighbours[neighbour_at<Dim>(offset)];
-      column.nodes[k] = other < 0 ? -1 : other * n_nodes + flatten<Dim>(i, tile_edge);
-      column.distances[k] = row.distances[std::size_t(k)];
-    }
-    return column;
   }
 
   /// Nodes of a tile that are in contact with the ground, or may be.
@@ -317,7 +229,7 @@ class ContactFinder {
     struct Node {
       int node;
       Vec<3> normal;
-      std::optional<RowAcross> row;
+      std::optional<RowAcross<Dim>> row;
     };
     std::vector<Node> nodes;
     /// For each column of nodes in and beside the tile: bits of the layers in contact with the ground, from
@@ -344,7 +256,7 @@ class ContactFinder {
     bool on_edge = false;  ///< it lies on an edge of the surface
     bool thin = false;     ///< the solid is thinner than the shape functions are wide
     bool plain = false;    ///< the node lies in a mesh, below a surface without edges: material is on no other side
-    std::optional<RowAcross> row{};  ///< of the nodes that are held together, if there are some
+    std::optional<RowAcross<Dim>> row{};  ///< of the nodes that are held together, if there are some
   };
   /// Those of the nodes that `counts`.
   template <class Counts>
@@ -355,7 +267,7 @@ class ContactFinder {
     const double reach = 0.5 * (tile_edge - 1) * domain_.h * std::sqrt(double(Dim)) + highest * domain_.h;
     if (solid.near(middle, pose, Dim).distance > reach) return nodes;
     const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
-    std::array<std::optional<RowAcross>, n_nodes> rows{};  // as far as they are known
+    std::array<std::optional<RowAcross<Dim>>, n_nodes> rows{};  // as far as they are known
     for (int node = 0; node < n_nodes; ++node) {
       if (!counts(node)) continue;
       if (const auto& row = rows[std::size_t(node)]) {
@@ -366,30 +278,29 @@ class ContactFinder {
       const Vec<3> x = place_of(in_grid);
       NodeAtSolid at{node, near(x)};
       if (at.nearest.distance > highest * domain_.h) continue;
-      at.row = row_across(number, near, in_grid, at.nearest);
+      at.row = row_across(domain_, near, is_taken(number), in_grid, at.nearest);
       if (at.row) {
         nodes.push_back(at);
         for (int k = 0; k < at.row->n; ++k)
           if (const Index<Dim> i = at.row->node(unflatten<Dim>(node, tile_edge), k); in_tile(i)) {
-            std::optional<RowAcross>& row = rows[std::size_t(flatten<Dim>(i, tile_edge))] = at.row;
+            std::optional<RowAcross<Dim>>& row = rows[std::size_t(flatten<Dim>(i, tile_edge))] = at.row;
             row->own = k;
           }
         continue;
       }
       if (at.nearest.distance > margin * domain_.h) continue;
-      if (at.nearest.distance >= -rounding * domain_.h) {
-        at.on_edge = at.nearest.distance < rounding * domain_.h && !is_smooth(near, x, at.nearest.normal);
+      if (at.nearest.distance >= -rounding_of_place * domain_.h) {
+        at.on_edge = at.nearest.distance < rounding_of_place * domain_.h &&
+                     !is_smooth(near, x, at.nearest.normal, nearby * domain_.h);
         at.thin = near(x - (thin_below * domain_.h) * at.nearest.normal).distance >= 0;
       }
-      if (at.nearest.distance < -rounding * domain_.h && std::holds_alternative<Mesh>(solid.shape))
+      if (at.nearest.distance < -rounding_of_place * domain_.h && std::holds_alternative<Mesh>(solid.shape))
         at.plain = near(x - (thin_below * domain_.h) * at.nearest.normal).distance < 0 &&
-                   is_smooth(near, x, at.nearest.normal, thin_below, 0.8);
+                   is_smooth(near, x, at.nearest.normal, thin_below * domain_.h, 0.8);
       nodes.push_back(at);
     }
     return nodes;
   }
-  /// Cells: points behind a solid thinner than this reach nodes in front of it.
-  static constexpr int thin_below = 2;
 
   /// Data of a solid at rest for each tile, computed once by the thread of the tile.
   template <class Data>
@@ -427,7 +338,7 @@ class ContactFinder {
         const bool on_ground = here.distance <= margin * domain_.h;
         if (on_ground) ground->columns[std::size_t(column)] |= 1u << (layer + column_reach);
         if (!in_tile(node)) continue;
-        const std::optional<RowAcross> row = row_across(number, near, global, here, Dim - 1);
+        const std::optional<RowAcross<Dim>> row = row_across(domain_, near, is_taken(number), global, here, Dim - 1);
         if (row || on_ground)
           ground->nodes.push_back({flatten<Dim>(node, tile_edge), row ? row->normal : here.normal, row});
       }
@@ -564,24 +475,17 @@ class ContactFinder {
   /// quarter of a cell.
   static constexpr double deepest_rest = 0.75;
 
-  /// In cells: tolerance of a position, and of neighbouring positions.
-  static constexpr double rounding = 1e-6, nearby = 1e-3;
-
   /// Distance in front of a solid, in cells, within which a node alone is in contact with it. So the plane at which material
   /// stops there lies half a cell in front of the surface at most and half a cell behind it, depending on the position of the
   /// grid; if the surface is a plane of nodes, it is there, as at a wall. Slightly less than a half, so that rounding
   /// has no effect for surfaces midway between nodes.
-  static constexpr double margin = 0.5 - rounding;
+  static constexpr double margin = 0.5 - rounding_of_place;
   /// The same within which a node may be the highest one of a row across a surface with the normal n: half the width of a cell
   /// across it and one step, at most |n_1| + (|n_1| + |n_2| + |n_3|)/2 <= sqrt(11)/2.
   static constexpr double highest = 1.66;
 
-  /// Position of a node, also of one outside the tile, relative to the first node of the tile.
-  Vec<3> place_of(const Index<Dim>& node) const {
-    Vec<3> x{};
-    for (int a = 0; a < Dim; ++a) x[a] = domain_.origin[a] + domain_.h * node[a];
-    return x;
-  }
+  Vec<3> place_of(const Index<Dim>& node) const { return place_of_node(domain_, node); }
+  /// Place in a tile, so many cells from its first node along each axis.
   Vec<3> place_of(const Index<Dim>& tile, double in_tile) const {
     Vec<3> x{};
     for (int a = 0; a < Dim; ++a) x[a] = domain_.origin[a] + domain_.h * (tile_edge * tile[a] + in_tile);
@@ -596,7 +500,7 @@ class ContactFinder {
     const auto near = [&](const Vec<3>& at) { return solid.near(at, pose, Dim); };
     const Nearness& nearest = at_solid.nearest;
     if (at_solid.plain) return nearest.normal;
-    if (nearest.distance < -rounding * domain_.h) {
+    if (nearest.distance < -rounding_of_place * domain_.h) {
       const auto [towards, mass] = mass_around(tiles, momentum, t, own, 1, [](const Index<Dim>&) { return true; });
       const double length = std::sqrt(dot(towards, towards));
       if (!(length > 1e-3 * mass)) return nearest.normal;  // as much on either side
@@ -618,21 +522,6 @@ class ContactFinder {
         return beside.normal;
     if (dot(towards, nearest.normal) >= 0) return nearest.normal;
     return way_out(near, x, towards).value_or(nearest).normal;
-  }
-
-  /// Whether a surface has no edge at a place on it: at a distance along it [cells] its normal differs by an angle whose
-  /// cosine is at least `cosine`.
-  template <class Near>
-  bool is_smooth(Near near, const Vec<3>& x, const Vec<3>& normal, double distance = nearby,
-                 double cosine = 0.99) const {
-    for (int a = 0; a < Dim; ++a) {
-      Vec<3> along{};
-      along[a] = 1;
-      along = along - normal[a] * normal;
-      for (double sign : {-1.0, 1.0})
-        if (dot(near(x + (sign * distance * domain_.h) * along).normal, normal) < cosine) return false;
-    }
-    return true;
   }
 
   /// Sums of mass times distance [cells], and of mass, over selected nodes within `reach` cells along each axis.
