@@ -74,6 +74,8 @@ void Ledger::add_shift(const TileSums& particles) {
   const double before = potential;
   set_particles(particles);
   numerical += before - potential;
+  averaging += particles[Sum::averaging];
+  elastic -= particles[Sum::averaging];
 }
 
 void Ledger::add_refinement(long split, long merged, const TileSums& particles) {

@@ -27,6 +27,12 @@ void present_volumes(const AnyLaw& any_law, const ParticlesView<Dim>& particles,
   std::visit([&](const auto& law) { present_volumes<Pack>(law, particles, tile, s); }, any_law);
 }
 
+template <int Dim>
+double open_sparse(const AnyLaw& any_law, const ParticlesView<Dim>& particles, const RowRange& tile,
+                   const ScratchView& s) {
+  return std::visit([&](const auto& law) { return open_sparse(law, particles, tile, s); }, any_law);
+}
+
 template void update_stress(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const CellFinder<2>&,
                             const StressUpdate&, const ScratchView&, TileSums&);
 template void update_stress(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const CellFinder<3>&,
@@ -35,5 +41,7 @@ template void present_stress(const AnyLaw&, const ParticlesView<2>&, const RowRa
 template void present_stress(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const ScratchView&);
 template void present_volumes(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const ScratchView&);
 template void present_volumes(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const ScratchView&);
+template double open_sparse(const AnyLaw&, const ParticlesView<2>&, const RowRange&, const ScratchView&);
+template double open_sparse(const AnyLaw&, const ParticlesView<3>&, const RowRange&, const ScratchView&);
 
 }  // namespace talus

@@ -14,5 +14,7 @@ void present_stress(const AnyLaw& law, const ParticlesView<Dim>& particles, cons
 template <int Dim>
 void present_volumes(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                      const ScratchView& s);
+template <int Dim>
+double open_sparse(const AnyLaw& law, const ParticlesView<Dim>& particles, const RowRange& tile, const ScratchView& s);
 
 }  // namespace talus

@@ -60,6 +60,27 @@ TEST(ParticleShift, TwiceTheShiftingLengthShiftsTwiceAsFar) {
   EXPECT_LT(largest, 0.1);
 }
 
+TEST(ParticleShift, OpensWhatIsSparseByTheFillingOfItsNodes) {
+  // Alone in the middle of a cell of 1 m2, where four nodes have weights of 1/4 each, a particle of 0.2 m2 sees a twentieth of
+  // their room filled, half of what carries: x = ln 1/2. One of 1 m2 sees a quarter filled.
+  Numerics numerics = pure_flip();
+  for (const bool average : {true, false})
+    for (const double volume : {0.2, 1.0}) {
+      numerics.average_pressure = average;
+      SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), {{6.5, 6.5}}, numerics, {}, {},
+                                                  NewtonianFluid{1000, 0});
+      small.particles().reference_volume()[0] = volume;
+      set_state<NewtonianFluid>(small.particles(), 0, {SymTensor<double>::isotropic(-1), 1e-3});
+      arrange(small.model);
+      const TileSums sums = ParticleShift<2, Quadratic>().apply(small.model, 0);
+      const auto state = state_of<NewtonianFluid>(small.particles(), 0);
+      const double filled = volume * std::exp(-1e-3) / 4;
+      const bool opens = average && volume < 1;
+      EXPECT_NEAR(state.compression, opens ? std::log(filled / 0.1) : 1e-3, 1e-12) << average << volume;
+      EXPECT_EQ(sums[Sum::averaging] > 0, opens);
+    }
+}
+
 TEST(ParticleShift, WhatKeepsItsNeighboursIsNotShifted) {
   SmallModel<> small(unit_cells<2>(16), crowd());
   arrange(small.model);

@@ -258,6 +258,23 @@ struct Volumes {
   }
 };
 template <class M>
+struct Fillings {
+  M m;
+  TALUS_HD void operator()(int t) const {
+    double filling[M::Layout::n_window];
+    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.filling, filling);
+    find_filling(m.points(t), m.domain, filling, m.scratch[t]);
+  }
+};
+template <class M, class Law>
+struct SparseOpenings {
+  M m;
+  Law law;
+  TALUS_HD void operator()(int t) const {
+    m.sums[t][Sum::averaging] += open_sparse(law, m.particles, m.ranges[t], m.scratch[t]);
+  }
+};
+template <class M>
 struct Shifts {
   M m;
   TALUS_HD void operator()(int t) const {

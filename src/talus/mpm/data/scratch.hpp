@@ -15,6 +15,7 @@ struct ScratchView {
   double* stiffness;                    ///< volume times modulus of compression waves [J]
   double *x, *volume;                   ///< elastic compression and volume of the particles
   double *mean_x, *mean_p, *mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
+  double* filling;                      ///< of the nodes around the particle, see `find_filling`
   int* cell;                            ///< of the particle, in its tile
   double* velocity[3] = {};             ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
@@ -48,12 +49,13 @@ class Scratch {
     v.mean_x = rows[18];
     v.mean_p = rows[19];
     v.mean_rate = rows[20];
+    v.filling = rows[21];
     v.cell = cell_.data();
     return v;
   }
 
  private:
-  static constexpr int n_rows = 21;
+  static constexpr int n_rows = 22;
   std::vector<double> rows_[n_rows];
   std::vector<int> cell_;
 };

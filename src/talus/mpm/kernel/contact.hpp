@@ -136,6 +136,17 @@ TALUS_HD inline Vec<3> after(const NodeContact& c, const Approach& a, const Take
   const double across = dot(change, c.normal);
   return v + (taken.across * across) * c.normal + taken.along * (change - across * c.normal);
 }
+/// The same where there is no pressure: a node of a column behind the surface goes in no farther, although the material in
+/// front of it leaves. What stops it calls up friction.
+TALUS_HD inline Vec<3> kept_out(const NodeContact& c, const Vec<3>& v, double friction) {
+  if (c.closed || c.column.n == 0 || c.column.distance() >= 0) return v;
+  const Vec<3> relative = v - c.velocity;
+  const double entering = -dot(relative, c.normal);
+  if (!(entering > 0)) return v;
+  const Vec<3> sliding = relative + entering * c.normal;
+  const double speed = sqrt(dot(sliding, sliding)), slower = min(friction * entering, speed);
+  return v + entering * c.normal - (speed > 0 ? slower / speed : 0.0) * sliding;
+}
 
 /// What would pass; what would leave, too, if material must stay; all if it sticks.
 TALUS_HD inline Taken taken_always(const NodeContact& c, const Approach& a) {
@@ -213,7 +224,7 @@ TALUS_HD void meet_surfaces(const ContactsView& contacts, const TilePlace<Dim>& 
     });
     if (felt > 0.5) c.sticks = false;  // there would be friction without pressure
     const Taken taken = taken_at_start(c, approach);
-    const Vec<3> met = after(c, approach, taken, v);
+    const Vec<3> met = kept_out(c, after(c, approach, taken, v), 0);
     const double leaving = approach.leaving(c.normal);
     c.holds = met != v && !(leaving >= 0 && c.surface.separates);
     const Quad changed = quad_of(met, mass) * allowed;
@@ -264,7 +275,8 @@ TALUS_HD void rub_on_surfaces(const ContactsView& contacts, const TilePlace<Dim>
     c.sticks = taken.sticks;
     c.turbulent = taken.turbulent;
     c.presses = taken.across * approach.leaving(c.normal) < 0;
-    const Quad v_new = quad_of(after(c, approach, taken, v), trial[3]) * allowed;
+    const double friction = c.surface.kind == WallKind::friction ? c.surface.friction : 0;
+    const Quad v_new = quad_of(kept_out(c, after(c, approach, taken, v), friction), trial[3]) * allowed;
     store_node(new_velocity[c.node], v_new);
     const Quad change = v_new - trial;
     c.impulse = mass * vector_of(change);

@@ -28,6 +28,19 @@ TALUS_HD void add_volumes(const TilePoints<Dim, Shape>& points, const Domain<Dim
   }
 }
 
+/// Filling of the nodes around particles, sum N_I filling_I: 1 inside material, a half or less at its surface; into the row
+/// `filling` of the scratch.
+template <int Dim, class Shape>
+TALUS_HD void find_filling(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* filling,
+                           const ScratchView& s) {
+  for (int i = 0; i < points.size(); i += 4) {
+    const int count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    for (int lane = 0; lane < count; ++lane)
+      s.filling[i + lane] = interpolate(ParticleWeights<Dim, Shape>{w, lane}, filling);
+  }
+}
+
 /// Excess filling of the nodes of a tile. Inside the material it may be negative; at a surface it is not. Inside means
 /// that the mean filling of a node and its neighbours is at least that of a cell below a flat surface, (1/2 + 47/48 +
 /// 1)/3 with quadratic splines; 1/48 may be missing there.

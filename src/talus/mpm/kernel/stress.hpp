@@ -297,6 +297,34 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
   total.add_to(sums);
 }
 
+/// Material that fills less of the room around it is sparse: spray, or a layer of less than a fifth of a cell.
+inline constexpr double sparsest_filling = 0.1;
+
+/// Opens sparse material until it would have to close to `sparsest_filling` before it carries anything. Particles that
+/// fly apart show no strain once no node connects them, and where they come together again each of them would be as dense
+/// as before: a few, a cell apart, would carry each other. Gaps that cohesion spans stay. Reads the row `filling` of the
+/// scratch; returns the elastic energy lost [J].
+template <class Law, int Dim>
+TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
+                            const ScratchView& s) {
+  double lost = 0;
+  if constexpr (AveragesCompression<Law>)
+    for (int i = 0; i < tile.size(); ++i) {
+      if (!(s.filling[i] < sparsest_filling)) continue;
+      using State = typename Law::template State<double>;
+      State state = load_states<double, State>(particles, tile.begin + i, 1);
+      const double x = law.growth_in_gap() * log(max(s.filling[i], 1e-12) / sparsest_filling);
+      if (!(x < Law::compression(state)) || law.pressure_at(x) < 0) continue;
+      const double reference_volume = particles.reference_volume()[tile.begin + i];
+      const auto energy = [&] { return reference_volume * law.specific_volume(state) * law.elastic_energy(state); };
+      lost += energy();
+      law.impose_compression(state, x, law.pressure_at(x));
+      lost -= energy();
+      store_states<double>(particles, tile.begin + i, 1, state);
+    }
+  return lost;
+}
+
 /// Writes volume times the stress that the states hold into the row `flux` of the scratch.
 template <Number R, class Law, int Dim>
 TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,

@@ -26,15 +26,16 @@ TileSums lift_from_ground(Model<Dim, Shape>& m, double time, double most) {
   }));
 }
 
-/// Volumes around nodes, how full these are, and by how much they are too full; valid during a shift, in the rooms of the
-/// grid's arrays, whose values are lost.
+/// Moves particles apart where they are too close, and opens material where it is sparse (`open_sparse`). Volumes around
+/// nodes, how full these are, and by how much they are too full, are valid during a shift, in the rooms of the grid's
+/// arrays, whose values are lost.
 template <int Dim, class Shape>
 class ParticleShift {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
   /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
-  /// hold.
+  /// hold; `averaging`: elastic energy lost where material is opened.
   TileSums apply(Model<Dim, Shape>& m, double time) {
     windows_ = m.grid.template in_room_of_windows<double>();
     volume_ = m.grid.template in_room_of_nodes<double>();
@@ -56,9 +57,9 @@ class ParticleShift {
       find_excess<Dim, Shape>(filling, excess_.of(t));
     });
     m.walls->extend_evenly(m.backend, excess_.data());
-    return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) {
+    return m.add_up(m.over_tiles([&](int t, int worker, TileSums& sums) {
       if (!m.has_particles(t)) return;
-      if (!m.is_left_out(t)) shift_tile(m, t, time);
+      if (!m.is_left_out(t)) shift_tile(m, t, worker, time, sums);
       add_up_particles_of_tile(m, t, sums);
     }));
   }
@@ -75,14 +76,21 @@ class ParticleShift {
     }
   }
 
-  void shift_tile(Model<Dim, Shape>& m, int t, double time) {
-    double excess[Layout::n_window];
+  void shift_tile(Model<Dim, Shape>& m, int t, int worker, double time, TileSums& sums) {
+    double filling[Layout::n_window], excess[Layout::n_window];
+    m.window_of(t, filling_, filling);
     m.window_of(t, excess_, excess);
     auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
     const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
-      if (!keeps_neighbours(body.law)) shift_particles(points, m.domain, excess, length, beside_solids);
+      if (keeps_neighbours(body.law)) return;
+      const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
+      if (m.numerics.average_pressure) {
+        find_filling(points, m.domain, filling, s);
+        sums[Sum::averaging] += open_sparse(body.law, points.particles, points.range, s);
+      }
+      shift_particles(points, m.domain, excess, length, beside_solids);
     });
   }
 
