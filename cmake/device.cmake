@@ -16,19 +16,27 @@ if(skipped)
   return()
 endif()
 
-set(kernels ${CMAKE_CURRENT_SOURCE_DIR}/src/talus/backend/cuda/kernels.cu)
 set(report ${CMAKE_CURRENT_SOURCE_DIR}/scripts/device_kernels.py)
 set(folder ${CMAKE_BINARY_DIR}/device)
 file(MAKE_DIRECTORY ${folder})
-# -fmad=false: products and sums are rounded one by one as on the host (-ffp-contract=off), so that results can be
-# compared.
-add_custom_command(OUTPUT ${folder}/kernels.o
-  COMMAND ${report} ${folder}/kernels.log ${TALUS_NVCC} -ccbin ${CMAKE_CXX_COMPILER} -std=c++20 -arch=sm_90
-    --expt-relaxed-constexpr -fmad=false -Werror all-warnings -Xptxas -v --split-compile=0 -I${CMAKE_CURRENT_SOURCE_DIR}/src
-    -MD -MT ${folder}/kernels.o -MF ${folder}/kernels.d -c ${kernels} -o ${folder}/kernels.o
-  DEPENDS ${kernels} ${report}
-  DEPFILE ${folder}/kernels.d
-  BYPRODUCTS ${folder}/kernels.log
-  COMMENT "Compiling all kernels for a device"
-  VERBATIM)
-add_custom_target(device COMMAND ${report} ${folder}/kernels.log DEPENDS ${folder}/kernels.o VERBATIM)
+set(logs "")
+set(objects "")
+# nvcc has one thread for most of what it does, so several files take less time than one.
+foreach(name kernels_of_laws kernels_of_stresses kernels_of_steps)
+  set(source ${CMAKE_CURRENT_SOURCE_DIR}/src/talus/backend/cuda/${name}.cu)
+  # -fmad=false: products and sums are rounded one by one as on the host (-ffp-contract=off), so that results can be
+  # compared.
+  add_custom_command(OUTPUT ${folder}/${name}.o
+    COMMAND ${report} ${folder}/${name}.log -- ${TALUS_NVCC} -ccbin ${CMAKE_CXX_COMPILER} -std=c++20 -arch=sm_90
+      --expt-relaxed-constexpr -fmad=false -Werror all-warnings -Xptxas -v --split-compile=0
+      -I${CMAKE_CURRENT_SOURCE_DIR}/src -MD -MT ${folder}/${name}.o -MF ${folder}/${name}.d -c ${source}
+      -o ${folder}/${name}.o
+    DEPENDS ${source} ${report}
+    DEPFILE ${folder}/${name}.d
+    BYPRODUCTS ${folder}/${name}.log
+    COMMENT "Compiling ${name} for a device"
+    VERBATIM)
+  list(APPEND logs ${folder}/${name}.log)
+  list(APPEND objects ${folder}/${name}.o)
+endforeach()
+add_custom_target(device COMMAND ${report} ${logs} DEPENDS ${objects} VERBATIM)

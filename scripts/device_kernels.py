@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """Registers, spills and stack of each kernel on a device, read from the output of `nvcc -Xptxas -v`.
 
-device_kernels.py LOG nvcc ARGUMENTS   compiles and writes the output to LOG; fails if nvcc fails or gives a warning
-device_kernels.py LOG                  prints the table
+device_kernels.py LOG -- nvcc ARGUMENTS   compiles and writes the output to LOG; fails if nvcc fails or gives a warning
+device_kernels.py LOG...                  prints the table
 
 The target `device` of the build runs both (`./dev device`).
 """
@@ -78,16 +78,18 @@ def print_table(rows):
 
 
 def main():
-    log = Path(sys.argv[1])
-    if len(sys.argv) > 2:
-        compile_kernels(log, sys.argv[2:])
+    arguments = sys.argv[1:]
+    if "--" in arguments:
+        log, _, *command = arguments
+        compile_kernels(Path(log), command)
         return
-    text = log.read_text()
-    rows = sorted(kernels(text))
-    if not rows:
-        sys.exit(f"{log} names no kernels")
+    texts = {log: Path(log).read_text() for log in arguments}
+    for log, text in texts.items():
+        if not list(kernels(text)):
+            sys.exit(f"{log} names no kernels")
+    rows = sorted(row for text in texts.values() for row in kernels(text))
     print_table(list(merged(rows)))
-    print(f"{len(rows)} kernels, {text.splitlines()[-1]}")
+    print(f"{len(rows)} kernels, " + " and ".join(text.splitlines()[-1] for text in texts.values()))
 
 
 main()

@@ -1,20 +1,15 @@
-/// All kernels, instantiated for a device. A kernel finds the element of its thread and calls the function that the host
+/// All kernels, instantiated for a device: here the laws, in `kernels_of_stresses.cu` what a step calls of them, in
+/// `kernels_of_steps.cu` the rest of a step. A kernel finds the element of its thread and calls the function that the host
 /// calls too: what is computed stands in headers.
 ///
-/// The file stands here and not in tests/ because a CUDA back end launches these kernels. There is no such back end yet;
-/// the target `device` compiles this file and prints the registers and spills of each kernel (`./dev device`).
+/// The files stand here and not in tests/ because a CUDA back end launches these kernels. There is no such back end yet;
+/// the target `device` compiles them, side by side, and prints the registers and spills of each kernel (`./dev device`).
 
-#include <vector>
-
+#include "talus/backend/cuda/launch.hpp"
 #include "talus/backend/cuda/mpm_kernels.hpp"
 #include "talus/law/registry.hpp"
 
 namespace talus::cuda {
-
-/// The largest block a kernel may be launched with: each thread can then have the 255 registers there are at most.
-constexpr int block_size = 128;
-
-__device__ int thread_index() { return int(blockIdx.x * blockDim.x + threadIdx.x); }
 
 /// Numbers of particles, a column each: number k of particle i is `columns[k][i]`.
 template <class Struct>
@@ -64,41 +59,6 @@ __global__ void __launch_bounds__(block_size) update_law(const Law law, const do
   columns.elastic_energy[i] = volume * law.elastic_energy(state);
 }
 
-/// A kernel of mpm/kernel/, a tile a thread.
-template <class Kernel>
-__global__ void __launch_bounds__(block_size) over_tiles(const int n_tiles, const Kernel kernel) {
-  if (const int t = thread_index(); t < n_tiles) kernel(t);
-}
-
-using Kernels = std::vector<const void*>;
-
-template <class... Kernel>
-void add(Kernels& kernels) {
-  (kernels.push_back(reinterpret_cast<const void*>(&over_tiles<Kernel>)), ...);
-}
-
-/// The kernels of a step with one shape function.
-template <int Dim, class Shape>
-void add_step_kernels(Kernels& kernels) {
-  using M = TilesOnDevice<Dim, Shape>;
-  add<MassAndMomentum<M>, AffineMomentum<M, true>, AffineMomentum<M, false>, SumsOverWindows<M>, Gradients<M>,
-      Forces<M, false>, Loads<M>, PowerOfLoads<M>, Motions<M, Advance::both>, Motions<M, Advance::velocities>,
-      Motions<M, Advance::places>, AffineMotion<M, true>, AffineMotion<M, false>, SumsOverParticles<M>,
-      FilteredVelocities<M>, Volumes<M>, Shifts<M>>(kernels);
-  if constexpr (Dim == 2) add<Forces<M, true>>(kernels);
-  [&]<int... octets>(std::integer_sequence<int, octets...>) { add<FilterMomentsOctet<M, octets>...>(kernels); }
-  (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());
-}
-
-/// The kernels that do not depend on the shape function: at nodes, and of the stress.
-template <int Dim, class... Law>
-void add_node_and_stress_kernels(Kernels& kernels, LawList<Law...>) {
-  using M = TilesOnDevice<Dim, Quadratic>;
-  add<NodeVelocities<M>, WallsFold<M>, WallsExtend<M>, GainFromWalls<M>, Accelerations<M>, FilterFits<M>>(kernels);
-  add<Stresses<M, Law, false>...>(kernels);
-  if constexpr (Dim == 2) add<Stresses<M, Law, true>...>(kernels);
-}
-
 template <class... Law>
 void add_law_kernels(Kernels& kernels, LawList<Law...>) {
   const auto add = [&](auto* kernel) { kernels.push_back(reinterpret_cast<const void*>(kernel)); };
@@ -107,20 +67,9 @@ void add_law_kernels(Kernels& kernels, LawList<Law...>) {
   (add(&update_law<Law, Integrator::forward_euler>), ...);
 }
 
-/// Every kernel. Those named here are compiled for the device.
-Kernels all_kernels() {
+Kernels kernels_of_laws() {
   Kernels kernels;
   add_law_kernels(kernels, Laws{});
-  add_step_kernels<2, Linear>(kernels);
-  add_step_kernels<2, Quadratic>(kernels);
-  add_step_kernels<2, Cubic>(kernels);
-  add_step_kernels<2, Ugimp>(kernels);
-  add_step_kernels<3, Linear>(kernels);
-  add_step_kernels<3, Quadratic>(kernels);
-  add_step_kernels<3, Cubic>(kernels);
-  add_step_kernels<3, Ugimp>(kernels);
-  add_node_and_stress_kernels<2>(kernels, Laws{});
-  add_node_and_stress_kernels<3>(kernels, Laws{});
   return kernels;
 }
 
