@@ -334,28 +334,28 @@ TEST(GapsAtRest, CloseByTheSameBitsInAPack) {
 // ---- sparse material ---------------------------------------------------------------------------------------------
 
 TEST(SparseMaterial, HasToCloseToATenthOfTheRoomAroundItBeforeItCarries) {
-  // Of three particles one fills a fortieth of the room: in a quarter of it it would touch, after the strain ln 4. One
-  // fills a fifth, and one has opened farther already.
+  // Of four particles one fills 0.08 of the room: in 0.8 of that it would touch, after the strain -ln 0.8. One fills a fifth,
+  // one has opened farther already, and one fills a fortieth: it gets the gap 0.3, not ln 4.
   const Granular law = case_1();
-  auto p = particles_at<2>(std::vector<Vec<2>>(3, {0.5, 0.5}), {state_size<Granular>});
+  auto p = particles_at<2>(std::vector<Vec<2>>(4, {0.5, 0.5}), {state_size<Granular>});
   const auto pressed = isotropic_state(law, 1e3, 0.8);
   auto wide = pressed;
   Granular::impose_compression(wide, -5 * law.growth_in_gap(), 0.0);
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; i < 4; ++i) {
     p.reference_volume()[i] = 2;
     set_state<Granular>(p, i, i == 2 ? wide : pressed);
   }
   Scratch scratch;
-  const ScratchView s = scratch_of(scratch, 3);
-  s.filling[0] = 0.025;
-  s.filling[1] = 0.2;
-  s.filling[2] = 0.025;
-  const double lost = open_sparse(law, p.view(), {0, 3}, s);
-  EXPECT_NEAR(law.specific_volume(state_of<Granular>(p, 0)), 4 * law.specific_volume(pressed), 1e-12);
+  const ScratchView s = scratch_of(scratch, 4);
+  std::copy_n(std::array{0.08, 0.2, 0.025, 0.025}.begin(), 4, s.filling);
+  const double lost = open_sparse(law, p.view(), {0, 4}, s);
+  const auto volume = [&](int i) { return law.specific_volume(state_of<Granular>(p, i)); };
+  EXPECT_NEAR(volume(0), law.specific_volume(pressed) / 0.8, 1e-12);
+  EXPECT_NEAR(volume(3), law.specific_volume(pressed) * std::exp(0.3), 1e-12);
   EXPECT_EQ(pressure(law.total_stress(state_of<Granular>(p, 0))), 0);
   EXPECT_EQ(state_of<Granular>(p, 1).frictional.x, pressed.frictional.x);
   EXPECT_EQ(state_of<Granular>(p, 2).frictional.x, wide.frictional.x);
-  EXPECT_NEAR(lost, 2 * law.specific_volume(pressed) * law.elastic_energy(pressed), 1e-15);
+  EXPECT_NEAR(lost, 2 * 2 * law.specific_volume(pressed) * law.elastic_energy(pressed), 1e-15) << "of two, 2 m3 each";
   EXPECT_GT(lost, 0);
 }
 
@@ -372,10 +372,10 @@ TEST(SparseMaterial, OfCohesiveSoilStaysTogether) {
     set_state<MohrCoulomb>(p, 0, {SymTensor<double>::zero(), 0, 0, 1});
     Scratch scratch;
     const ScratchView s = scratch_of(scratch, 1);
-    s.filling[0] = 0.05;
+    s.filling[0] = 0.08;
     open_sparse(law, p.view(), {0, 1}, s);
-    EXPECT_NEAR(state_of<MohrCoulomb>(p, 0).compression, c > 0 ? 0 : -std::log(2), 1e-15) << c;
-    EXPECT_NEAR(state_of<MohrCoulomb>(p, 0).volume_ratio, c > 0 ? 1 : 2, 1e-15) << c << ": it takes its room";
+    EXPECT_NEAR(state_of<MohrCoulomb>(p, 0).compression, c > 0 ? 0 : std::log(0.8), 1e-15) << c;
+    EXPECT_NEAR(state_of<MohrCoulomb>(p, 0).volume_ratio, c > 0 ? 1 : 1.25, 1e-15) << c << ": it takes its room";
   }
 }
 

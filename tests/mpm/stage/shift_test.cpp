@@ -61,11 +61,11 @@ TEST(ParticleShift, TwiceTheShiftingLengthShiftsTwiceAsFar) {
 }
 
 TEST(ParticleShift, OpensWhatIsSparseByTheFillingOfItsNodes) {
-  // Alone in the middle of a cell of 1 m2, where four nodes have weights of 1/4 each, a particle of 0.2 m2 sees a twentieth of
-  // their room filled, half of what carries: x = ln 1/2. One of 1 m2 sees a quarter filled.
+  // Alone in the middle of a cell of 1 m2, where four nodes have weights of 1/4 each, a particle of 0.32 m2 sees 0.08 of
+  // their room filled, 0.8 of what carries: x = ln 0.8. One of 1 m2 sees a quarter filled.
   Numerics numerics = pure_flip();
   for (const bool average : {true, false})
-    for (const double volume : {0.2, 1.0}) {
+    for (const double volume : {0.32, 1.0}) {
       numerics.average_pressure = average;
       SmallModel<Quadratic, NewtonianFluid> small(unit_cells<2>(16), {{6.5, 6.5}}, numerics, {}, {},
                                                   NewtonianFluid{1000, 0});

@@ -299,11 +299,14 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
 
 /// Material that fills less of the room around it is sparse: spray, or a layer of less than a fifth of a cell.
 inline constexpr double sparsest_filling = 0.1;
+/// Gap that sparse material is given at most (a volumetric strain): more than a tenth of a cell of motion closes, after which
+/// it is looked at again. A wider one would open the cells that it falls on, where its mean is taken.
+inline constexpr double widest_gap_of_sparse = 0.3;
 
-/// Opens sparse material until it would have to close to `sparsest_filling` before it carries anything. Particles that
-/// fly apart show no strain once no node connects them, and where they come together again each of them would be as dense
-/// as before: a few, a cell apart, would carry each other. Gaps that cohesion spans stay. Reads the row `filling` of the
-/// scratch; returns the elastic energy lost [J].
+/// Opens sparse material, so that it has to close to `sparsest_filling` before it carries anything. Particles that fly apart
+/// show no strain once no node connects them, and where they come together again each of them would be as dense as before:
+/// a few, a cell apart, would carry each other. Gaps that cohesion spans stay. Reads the row `filling` of the scratch;
+/// returns the elastic energy lost [J].
 template <class Law, int Dim>
 TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                             const ScratchView& s) {
@@ -313,7 +316,8 @@ TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles,
       if (!(s.filling[i] < sparsest_filling)) continue;
       using State = typename Law::template State<double>;
       State state = load_states<double, State>(particles, tile.begin + i, 1);
-      const double x = law.growth_in_gap() * log(max(s.filling[i], 1e-12) / sparsest_filling);
+      const double gap = min(log(sparsest_filling / max(s.filling[i], 1e-12)), widest_gap_of_sparse);
+      const double x = -law.growth_in_gap() * gap;
       if (!(x < Law::compression(state)) || law.pressure_at(x) < 0) continue;
       const double reference_volume = particles.reference_volume()[tile.begin + i];
       const auto energy = [&] { return reference_volume * law.specific_volume(state) * law.elastic_energy(state); };
