@@ -60,7 +60,7 @@ struct Ledger {
   /// Work that collisions have returned to shear since the start, summed over particles; `collisional` includes it with
   /// negative sign.
   double returned = 0;
-  double averaging = 0;  ///< elastic energy lost since the start by averaging over cells
+  double averaging = 0;  ///< elastic energy lost since the start by averaging over cells and opening of sparse material
   double viscous = 0;    ///< heat of the bulk viscosity since the start
   /// Energy lost since the start between particles and grid: differences of kinetic energy, differences of the work of
   /// the stress on nodes and on particles, and the potential energy change by particle shifting.
