@@ -261,6 +261,18 @@ struct Apart {
   }
 };
 
+/// Soil of a cohesion c [Pa].
+MohrCoulomb soil(double c) {
+  MohrCoulomb law{};
+  law.E = 1e6;
+  law.nu = 0.25;
+  law.c = c;
+  law.phi = 0.5;
+  law.psi = 0;
+  law.prepare();
+  return law;
+}
+
 TEST(GapsAtRest, CloseAsGrainsFallThroughThemAndThenTouch) {
   // s' = -c sqrt(s): from 0.04 after a time t it is (0.2 - c t/2)^2, and nothing after 2 0.2/c: 20 ms with c = 20/s.
   Apart material(0.04);
@@ -284,14 +296,8 @@ TEST(GapsAtRest, StayInWhatMovesAndWhereNothingFalls) {
 }
 
 TEST(GapsAtRest, StayWhereCohesionSpansThem) {
-  MohrCoulomb law{};
-  law.E = 1e6;
-  law.nu = 0.25;
-  law.phi = 0.5;
-  law.psi = 0;
   for (const double c : {0.0, 1e3}) {
-    law.c = c;
-    law.prepare();
+    const MohrCoulomb law = soil(c);
     auto p = particles_at<2>({{0.5, 0.5}}, {state_size<MohrCoulomb>});
     const double open = law.closed() - 0.01;
     set_state<MohrCoulomb>(p, 0, {SymTensor<double>::isotropic(c > 0 ? -law.apex : 0), open, 0, std::exp(0.01)});
@@ -360,14 +366,8 @@ TEST(SparseMaterial, HasToCloseToATenthOfTheRoomAroundItBeforeItCarries) {
 }
 
 TEST(SparseMaterial, OfCohesiveSoilStaysTogether) {
-  MohrCoulomb law{};
-  law.E = 1e6;
-  law.nu = 0.25;
-  law.phi = 0.5;
-  law.psi = 0;
   for (const double c : {0.0, 1e3}) {
-    law.c = c;
-    law.prepare();
+    const MohrCoulomb law = soil(c);
     auto p = particles_at<2>({{0.5, 0.5}}, {state_size<MohrCoulomb>});
     set_state<MohrCoulomb>(p, 0, {SymTensor<double>::zero(), 0, 0, 1});
     Scratch scratch;
