@@ -1,11 +1,13 @@
 /// Whole steps: how many particles talus moves through a step in a second, for a few cases, on one thread and on several.
 ///
 /// Prints one table. Every measurement is a block of steps that is repeated, and the best block counts: what else runs
-/// on a machine can only slow it down. Rates a CPU-second count the processor time of all threads; for them to mean
+/// on a machine can only slow it down. Several threads are compared with one in a line of its own: the median over short
+/// blocks in turn, with one thread on each of the cores, as cores of a shared machine differ in speed. Rates a CPU-second count the processor time of all threads; for them to mean
 /// work, threads that wait must soon sleep, as they do in talus (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
 
 #include <fmt/format.h>
 #include <malloc.h>
+#include <sched.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -222,6 +224,50 @@ Measurement measure(Simulation& simulation, TimedLoop& loop, int n_steps) {
   return m;
 }
 
+/// The processors that this process may use.
+std::vector<int> processors() {
+  cpu_set_t set;
+  std::vector<int> all;
+  if (sched_getaffinity(0, sizeof set, &set) != 0) return all;
+  for (int p = 0; p < CPU_SETSIZE; ++p)
+    if (CPU_ISSET(p, &set)) all.push_back(p);
+  return all;
+}
+/// Lets the calling thread run on these only.
+void run_on(const std::vector<int>& these) {
+  cpu_set_t set;
+  CPU_ZERO(&set);
+  for (const int p : these) CPU_SET(p, &set);
+  sched_setaffinity(0, sizeof set, &set);
+}
+
+/// How many times as fast steps are on several threads as on one: the median of blocks in turn, each between blocks of one
+/// thread on each of the first processors. Nothing if there are fewer processors than threads.
+std::optional<double> speed_up(Simulation& simulation, TimedLoop& loop, int threads, bool quick) {
+  const std::vector<int> all = processors();
+  if (int(all.size()) < threads) return std::nullopt;
+  const int n_rounds = quick ? 5 : std::max(5, 50 / threads);
+  const double block_seconds = quick ? 0.05 : 0.1;
+  loop.threaded = false;
+  const int n_steps = std::max(2, int(block_seconds / measure(simulation, loop, 3).wall));
+  std::vector<double> ratios;
+  for (int round = 0; round < n_rounds; ++round) {
+    double rate_of_one = 0, seconds = 0;  // of one thread, mean of the processors; of a step on all threads
+    for (int k = 0; k < threads; ++k) {
+      loop.threaded = false;
+      run_on({all[std::size_t(k)]});
+      rate_of_one += 1 / measure(simulation, loop, n_steps).wall / threads;
+      loop.threaded = true;
+      run_on({all.front()});  // the other threads go where they find room
+      seconds += measure(simulation, loop, n_steps).wall / threads;
+    }
+    ratios.push_back(1 / (seconds * rate_of_one));
+  }
+  run_on(all);
+  std::nth_element(ratios.begin(), ratios.begin() + n_rounds / 2, ratios.end());
+  return ratios[std::size_t(n_rounds / 2)];
+}
+
 void print_head() {
   fmt::print("talus {}, {}, on {} x {}\n\n", version(), build(), n_processors(), processor());
   fmt::print("{:<27}{:>11}{:>9}{:>13}{:>13}{:>10}{:>10}{:>10}{:>9}  share of time [%]\n", "", "", "", "M particle-",
@@ -268,6 +314,9 @@ void run(const Benchmark& benchmark, bool quick, int most_threads) {
     fmt::print("{:>8.0f}\n", 100 * rest);
     std::fflush(stdout);
   }
+  if (const auto ratio = speed_up(*simulation, loop, most_threads, quick))
+    fmt::print("{:<27}{:>20} x {:.2f}\n", "", fmt::format("{} threads over one:", most_threads), *ratio);
+  std::fflush(stdout);
 }
 
 /// What snapshots add to the time of steps: blocks of steps with one, the wait for its end included, beside blocks

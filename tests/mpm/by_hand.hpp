@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "mpm/data/shapes.hpp"
+#include "talus/backend/backend.hpp"
 #include "talus/mpm/data/body.hpp"
 #include "talus/mpm/data/grid.hpp"
 #include "talus/mpm/kernel/weights.hpp"
@@ -127,7 +128,8 @@ CellRange<Dim> all_cells() {
 /// The given tiles and those around them that their particles reach.
 template <int Dim, class Shape>
 std::vector<Tile<Dim>> tiles_at(const std::vector<Index<Dim>>& places, const Index<Dim>& period = {}) {
-  return tiles_around<Dim, Shape>(places, std::vector<CellRange<Dim>>(places.size(), all_cells<Dim>()), period);
+  return tiles_around<Dim, Shape>(places, std::vector<CellRange<Dim>>(places.size(), all_cells<Dim>()), period,
+                                  *make_serial());
 }
 
 /// A dimension and a shape function, for tests over types.

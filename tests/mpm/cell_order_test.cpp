@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 #include "mpm/by_hand.hpp"
 #include "talus/backend/backend.hpp"
 
@@ -94,6 +97,36 @@ TEST(CellOrder, ParticlesAreSortedByTileThenByLineThenByCellAndWithinOneTheyKeep
   EXPECT_EQ(ranges[0].high, (Index<2>{1, 1}));
   EXPECT_EQ(ranges[1].low, (Index<2>{0, 0}));
   EXPECT_EQ(ranges[1].high, (Index<2>{1, 2}));
+}
+
+TEST(CellOrder, WorkersMakeTheOrderOfAStableSort) {
+  // Random places in 8 x 8 tiles; rows 100 to 199 come before the others, and 300 to 309 are left out.
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> place(0, 32);
+  std::vector<Vec<2>> places(2000);
+  for (Vec<2>& x : places) x = {place(random), place(random)};
+  const Domain<2> domain = unit_cells<2>(32);
+  const std::vector<RowOrder> rows{{{100, 200}, {0, 100}, {200, 300}, {310, 2000}}};
+  OccupiedTiles<2> tiles;
+  for (const Vec<2>& x : places) tiles.add({tile_of(cell_of(x[0])), tile_of(cell_of(x[1]))}, 1);
+  tiles.sort();
+  std::vector<int> expected;
+  for (const RowRange& range : rows[0])
+    for (int i = range.begin; i < range.end; ++i) expected.push_back(i);
+  const auto key = [&](int i) {
+    const Vec<2>& x = places[std::size_t(i)];
+    const Index<2> tile{tile_of(cell_of(x[0])), tile_of(cell_of(x[1]))};
+    return std::array{tiles.find(tile), cell_of(x[1] + 0.5), cell_of(x[0])};
+  };
+  std::stable_sort(expected.begin(), expected.end(), [&](int i, int j) { return key(i) < key(j); });
+  for (const int n_workers : {1, 2, 3, 7}) {
+    auto bodies = bodies_at({places});
+    sort_by_cell(bodies, rows, domain, tiles, *make_openmp(n_workers));
+    EXPECT_EQ(ids(bodies[0]), std::vector<double>(expected.begin(), expected.end())) << n_workers;
+    for (std::size_t t = 0; t < tiles.places.size(); ++t)
+      for (int i = bodies[0].tiles[t].begin; i < bodies[0].tiles[t].end; ++i)
+        EXPECT_EQ(key(int(bodies[0].particles.id(i)))[0], int(t)) << n_workers;
+  }
 }
 
 TEST(CellOrder, ParticlesComeRoundAlongPeriodicAxes) {

@@ -49,24 +49,6 @@ class Columns {
     size_ = n;
   }
 
-  /// Replaces row i by the former row rows[i]. A row may be used several times, or not at all.
-  void take(const std::vector<int>& rows) {
-    const int n = int(rows.size());
-    const bool keeps_memory = keeps_memory_with(n);
-    if (!keeps_memory) n_that_fit_ = n;
-    Storage spare = allocate(n_that_fit_);
-    for (std::size_t c = 0; c < data_.size(); ++c) {
-      for (int i = 0; i < n; ++i) spare[i] = data_[c][rows[std::size_t(i)]];
-      if (keeps_memory) {
-        std::copy(spare.get(), spare.get() + n, data_[c].get());
-      } else {
-        data_[c] = std::exchange(spare, allocate(n_that_fit_));
-        pointers_[c] = data_[c].get();
-      }
-    }
-    size_ = n;
-  }
-
   /// Memory of a column without values, for `permute`.
   class Spare {
    public:

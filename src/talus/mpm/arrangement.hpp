@@ -170,7 +170,7 @@ void deal_out_tiles(Model<Dim, Shape>& m) {
 /// in the tiles of this owner.
 template <int Dim, class Shape>
 void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
-  std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period());
+  std::vector<Tile<Dim>> tiles = tiles_around<Dim, Shape>(run.places, run.cells, m.domain.period(), m.backend);
   const std::vector<int> owners = owners_of(tiles, run.owners);
   m.halo = keep_held(tiles, run.cells, owners, m.backend);
   if (m.backend.n_owners() > 1) m.adding_order = talus::adding_order(owners, m.halo.number, m.backend);

@@ -159,15 +159,70 @@ void wrap_periodic(Bodies& bodies, const Domain<Dim>& domain) {
           body.particles.position(a)[i] = domain.in_first_period(body.particles.position(a)[i], a);
 }
 
+/// Moves row order[i] of all columns to row i. Rows that are not in it are removed; one may be in it several times.
+inline void reorder(Columns& columns, const std::vector<int>& order, Backend& backend) {
+  if (int(order.size()) > columns.size()) columns.resize(int(order.size()));
+  std::vector<std::optional<Columns::Spare>> spare(std::size_t(backend.n_workers()));
+  backend.for_each(columns.n_columns(), [&](int c, int worker) {
+    std::optional<Columns::Spare>& own = spare[std::size_t(worker)];
+    if (!own) own.emplace(columns);
+    columns.permute(c, order, *own);
+  });
+  columns.resize(int(order.size()));
+}
+
+/// Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of quadratic splines that
+/// particles of a line touch are the same across it (kernel/lines.hpp). A tile has so many cells of lines.
+template <int Dim>
+inline constexpr int n_slots = tile_edge* power(tile_edge + 1, Dim - 1);
+
+/// The order of rows by tiles and, in each, by lines and by cells along them; rows of one cell of a line stay in their order.
+/// `slots`: of every row, its cell of a line, numbered over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all
+/// workers, each a stretch of them; then every tile is put in order for itself.
+template <int Dim>
+std::vector<int> order_of_rows(const RowOrder& rows, const std::vector<std::uint32_t>& slots,
+                               std::vector<RowRange>& tiles, Backend& backend) {
+  const std::size_t n_parts = std::size_t(backend.n_workers());
+  const auto for_each_row_of = [&](std::size_t part, auto f) {
+    for (std::size_t r = rows.size() * part / n_parts; r < rows.size() * (part + 1) / n_parts; ++r)
+      for (int i = rows[r].begin; i < rows[r].end; ++i) f(i, slots[std::size_t(i)] / std::uint32_t(n_slots<Dim>));
+  };
+  std::vector<std::vector<int>> next(
+      n_parts);  // of each part, the place of its next row of a tile; at first their number
+  for_each_of(backend, n_parts, [&](std::size_t part) {
+    next[part].assign(tiles.size(), 0);
+    for_each_row_of(part, [&](int, std::uint32_t tile) { ++next[part][tile]; });
+  });
+  int n = 0;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    tiles[t].begin = n;
+    for (std::vector<int>& of_part : next) n += std::exchange(of_part[t], n);
+    tiles[t].end = n;
+  }
+  std::vector<int> by_tile(static_cast<std::size_t>(n)), order(static_cast<std::size_t>(n));
+  for_each_of(backend, n_parts, [&](std::size_t part) {
+    for_each_row_of(part, [&](int i, std::uint32_t tile) { by_tile[std::size_t(next[part][tile]++)] = i; });
+  });
+  for_each_of(backend, tiles.size(), [&](std::size_t t) {
+    const auto slot_of = [&](int i) { return slots[std::size_t(i)] - std::uint32_t(t) * n_slots<Dim>; };
+    int first[n_slots<Dim> + 1] = {};
+    for (int k = tiles[t].begin; k < tiles[t].end; ++k) ++first[slot_of(by_tile[std::size_t(k)]) + 1];
+    first[0] = tiles[t].begin;
+    std::partial_sum(first, first + n_slots<Dim> + 1, first);
+    for (int k = tiles[t].begin; k < tiles[t].end; ++k) {
+      const int i = by_tile[std::size_t(k)];
+      order[std::size_t(first[slot_of(i)]++)] = i;
+    }
+  });
+  return order;
+}
+
 /// Sorts the particles of all bodies stably by the given tiles, in each by lines and by cells along them, and sets the
-/// bodies' `tiles`. Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of
-/// quadratic splines that particles of a line touch are the same across it (kernel/lines.hpp). Particles of one line and
-/// cell stay in the order that `rows` gives, so the result depends on nothing but their places; those of rows that are left
-/// out are removed. Returns the cells of each tile that hold particles.
+/// bodies' `tiles`. Particles of one line and cell stay in the order that `rows` gives, so the result depends on nothing but
+/// their places; those of rows that are left out are removed. Returns the cells of each tile that hold particles.
 template <int Dim, class Bodies>
 std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOrder>& rows, const Domain<Dim>& domain,
                                          const OccupiedTiles<Dim>& occupied, Backend& backend) {
-  constexpr int n_slots = tile_edge * power(tile_edge + 1, Dim - 1);
   const std::size_t n_tiles = occupied.places.size(), n_workers = std::size_t(backend.n_workers());
   CellRange<Dim> none;
   none.low.fill(tile_edge);
@@ -175,7 +230,7 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
   std::vector<std::vector<CellRange<Dim>>> ranges(n_workers, std::vector<CellRange<Dim>>(n_tiles, none));
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Particles<Dim>& particles = bodies[b].particles;
-    std::vector<std::uint32_t> slot(std::size_t(particles.size()));  // line and cell among those of all occupied tiles
+    std::vector<std::uint32_t> slots(std::size_t(particles.size()));
     backend.for_each(int(rows[b].size()), [&](int range, int worker) {
       std::size_t t = 0;
       for (int i = rows[b][std::size_t(range)].begin; i < rows[b][std::size_t(range)].end; ++i) {
@@ -196,27 +251,13 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
         int line = 0;
         for (int a = Dim - 1; a > 0; --a)
           line = (tile_edge + 1) * line + std::clamp(cell_of(in_cells[a] - tile_edge * place[a] + 0.5), 0, tile_edge);
-        slot[std::size_t(i)] = std::uint32_t(t) * n_slots + std::uint32_t(tile_edge * line + cell[0]);
+        slots[std::size_t(i)] = std::uint32_t(t) * n_slots<Dim> + std::uint32_t(tile_edge * line + cell[0]);
       }
     });
-    std::vector<int> next(n_tiles * n_slots + 1, 0);
-    for (const RowRange& range : rows[b])
-      for (int i = range.begin; i < range.end; ++i) ++next[slot[std::size_t(i)] + 1];
-    // Counts become first places, tile after tile, line after line.
-    std::partial_sum(next.begin(), next.end(), next.begin());
     bodies[b].tiles.resize(n_tiles);
-    for (std::size_t t = 0; t < n_tiles; ++t) bodies[b].tiles[t] = {next[t * n_slots], next[(t + 1) * n_slots]};
-    std::vector<int> order(std::size_t(next.back()));
-    for (const RowRange& range : rows[b])
-      for (int i = range.begin; i < range.end; ++i) order[std::size_t(next[slot[std::size_t(i)]]++)] = i;
-    std::vector<std::uint32_t>().swap(slot);  // its memory serves as working space
-    std::vector<std::optional<Columns::Spare>> spare(n_workers);
-    backend.for_each(particles.columns().n_columns(), [&](int c, int worker) {
-      std::optional<Columns::Spare>& own = spare[std::size_t(worker)];
-      if (!own) own.emplace(particles.columns());
-      particles.columns().permute(c, order, *own);
-    });
-    particles.resize(order.size());
+    const std::vector<int> order = order_of_rows<Dim>(rows[b], slots, bodies[b].tiles, backend);
+    std::vector<std::uint32_t>().swap(slots);  // its memory serves as working space
+    reorder(particles.columns(), order, backend);
   }
   for (std::size_t w = 1; w < n_workers; ++w)
     for (std::size_t t = 0; t < n_tiles; ++t)

@@ -33,7 +33,7 @@ struct Scattered {
       places.push_back(place);
       ranges.push_back(all_cells<Dim>());
     }
-    grid.set_tiles(tiles_around<Dim, Shape>(places, ranges, {}), ranges);
+    grid.set_tiles(tiles_around<Dim, Shape>(places, ranges, {}, *make_serial()), ranges);
     for (std::size_t t = 0; t < places.size(); ++t) {
       MassMomentum* window = grid.momentum_windows.of(int(t));
       for (int i = 0; i < Layout::n_window; ++i) window[i] = node_of<MassMomentum>(Quad(rubbish));
@@ -112,7 +112,9 @@ TYPED_TEST(GridSums, AWindowShowsTheNodesAroundATile) {
 TEST(TilesAround, OnlyThoseAreAddedWhoseNodesTheParticlesReach) {
   // Quadratic splines reach a node below their cell and two above it. One cell in the middle of the tile at (5, 5)
   // reaches nothing beyond it; in the corner cell (0, 0) the three tiles below; in (3, 3) the three above.
-  const auto around = [](int cell) { return tiles_around<2, Quadratic>({{5, 5}}, {{{cell, cell}, {cell, cell}}}, {}); };
+  const auto around = [](int cell) {
+    return tiles_around<2, Quadratic>({{5, 5}}, {{{cell, cell}, {cell, cell}}}, {}, *make_serial());
+  };
   EXPECT_EQ(around(1).size(), 1u);
   const auto below = around(0), above = around(3);
   ASSERT_EQ(below.size(), 4u);
@@ -150,6 +152,32 @@ TEST(TilesAround, AlongAPeriodicAxisTheLastTileIsTheNeighbourOfTheFirst) {
   for (int n = 0; n < n_neighbours<2>; ++n) EXPECT_EQ(alone[0].neighbours[n], 0) << "all around itself";
 }
 
+TEST(TilesAround, AllWorkersTogetherFindEveryNeighbour) {
+  // A third of 8 x 8 x 8 tiles that come round along x, in a random order.
+  std::vector<Index<3>> places;
+  for (int i = 0; i < 512; ++i) places.push_back({i % 8, i / 8 % 8, i / 64});
+  std::shuffle(places.begin(), places.end(), std::mt19937(1));
+  places.resize(170);
+  const std::vector<CellRange<3>> cells(places.size(), all_cells<3>());
+  for (const int n_workers : {1, 4}) {
+    const auto tiles = tiles_around<3, Quadratic>(places, cells, {8, 0, 0}, *make_openmp(n_workers));
+    std::map<Index<3>, int> at;
+    for (int t = 0; t < int(tiles.size()); ++t)
+      EXPECT_TRUE(at.emplace(tiles[std::size_t(t)].place, t).second) << "twice";
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      EXPECT_EQ(tiles[t].occupied, t < places.size());
+      for (int n = 0; n < n_neighbours<3>; ++n) {
+        Index<3> place = tiles[t].place;
+        for (int a = 0; a < 3; ++a) place[a] += offset_of<3>(n)[a];
+        place[0] = (place[0] + 8) % 8;
+        const auto found = at.find(place);
+        EXPECT_EQ(tiles[t].neighbours[n], found == at.end() ? -1 : found->second) << n_workers;
+        EXPECT_FALSE(tiles[t].occupied && found == at.end()) << "particles fill their tiles and reach all around";
+      }
+    }
+  }
+}
+
 TEST(Grid, HoldsNodesForEveryTileAndWindowsForTheOccupiedOnesOnly) {
   Grid<2, Quadratic> grid;
   grid.set_tiles(tiles_at<2, Quadratic>({{0, 0}}), {all_cells<2>()});
@@ -169,7 +197,7 @@ TEST(Grid, HasAboutTheMemoryThatItsTilesNeedWhenTheyBecomeMore) {
   for (int i = 0; i < 100; ++i) {
     places.push_back({i, 0, 0});
     const std::vector<CellRange<3>> cells(places.size(), all_cells<3>());
-    grid.set_tiles(tiles_around<3, Quadratic>(places, cells, {}), cells);
+    grid.set_tiles(tiles_around<3, Quadratic>(places, cells, {}, *make_serial()), cells);
     const double nodes = 4.0 * grid.n_tiles() * 64, windows = 343.0 * grid.n_occupied();
     EXPECT_LT(double(grid.bytes()), 1.07 * 32 * (nodes + windows) + 2.0 * sizeof(Tile<3>) * grid.n_tiles() + 128);
   }

@@ -60,7 +60,7 @@ struct RandomTile {
     std::vector<CellRange<Dim>> cells(1);
     cells[0].low.fill(0);
     cells[0].high.fill(tile_edge - 1);
-    tiles = tiles_around<Dim, Shape>({own}, cells, Index<Dim>{});
+    tiles = tiles_around<Dim, Shape>({own}, cells, Index<Dim>{}, *backend);
     tiles[0].neighbours[1] = -1;  // beyond it there is nothing
     for (std::size_t i = 0; i < tiles.size() * Layout::n_nodes; ++i) {
       velocity.push_back(node_of<MassVelocity>(numbers()));

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "talus/mpm/backend.hpp"
 #include "talus/mpm/data/tile.hpp"
 
 namespace talus {
@@ -36,43 +37,58 @@ using TilesByPlace = std::unordered_map<Index<Dim>, int, HashOfIndex<Dim>>;
 /// each occupied tile. `period`: period in tiles along each axis; 0 if not periodic.
 template <int Dim, class Shape>
 std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, const std::vector<CellRange<Dim>>& cells,
-                                    const Index<Dim>& period) {
+                                    const Index<Dim>& period, Backend& backend) {
   using Layout = TileLayout<Dim, Shape>;
+  constexpr int itself = neighbour_at<Dim>({});
   TilesByPlace<Dim> at;
   at.reserve(occupied.size() * 2);
   std::vector<Tile<Dim>> tiles;
   const auto add = [&](const Index<Dim>& place, bool holds_particles) {
-    if (!at.try_emplace(place, int(tiles.size())).second) return;
     std::fill_n(tiles.emplace_back(Tile<Dim>{place, {}, holds_particles}).neighbours, n_neighbours<Dim>, -1);
+    tiles.back().neighbours[itself] = int(tiles.size()) - 1;
   };
-  const auto moved = [&](Index<Dim> place, const Index<Dim>& offset) {
+  const auto place_beside = [&](std::size_t t, int neighbour) {
+    Index<Dim> place = tiles[t].place;
+    const Index<Dim> offset = offset_of<Dim>(neighbour);
     for (int a = 0; a < Dim; ++a) {
       place[a] += offset[a];
       if (period[a] > 0) place[a] = (place[a] + period[a]) % period[a];
     }
     return place;
   };
-  for (const auto& place : occupied) add(place, true);
+  // Every number below is set by one thread: that of a tile beside it, or of the tile itself.
+  const auto meet = [&](std::size_t t, int neighbour) {
+    const auto found = at.find(place_beside(t, neighbour));
+    if (found == at.end()) return;
+    const auto other = std::size_t(found->second);
+    tiles[t].neighbours[neighbour] = found->second;
+    if (other < occupied.size()) tiles[other].neighbours[2 * itself - neighbour] = int(t);  // as seen from there
+  };
+
+  for (const Index<Dim>& place : occupied) {
+    at.emplace(place, int(tiles.size()));
+    add(place, true);
+  }
+  for_each_of(backend, occupied.size(), [&](std::size_t t) {
+    for (int n = 0; n < itself; ++n) meet(t, n);
+  });
   for (std::size_t t = 0; t < occupied.size(); ++t)
     for (int n = 0; n < n_neighbours<Dim>; ++n) {
+      if (tiles[t].neighbours[n] >= 0) continue;
       const Index<Dim> offset = offset_of<Dim>(n);
       bool reached = true;
       for (int a = 0; a < Dim; ++a) {
         if (offset[a] < 0) reached &= cells[t].low[a] - Layout::below < 0;
         if (offset[a] > 0) reached &= cells[t].high[a] + Layout::above >= tile_edge;
       }
-      if (reached) add(moved(occupied[t], offset), false);
+      if (!reached) continue;
+      const Index<Dim> place = place_beside(t, n);
+      if (at.try_emplace(place, int(tiles.size())).second) add(place, false);
     }
-  constexpr int itself = neighbour_at<Dim>({});
-  for (int t = 0; t < int(tiles.size()); ++t) {
-    tiles[std::size_t(t)].neighbours[itself] = t;
-    for (int n = 0; n < itself; ++n) {
-      const auto found = at.find(moved(tiles[std::size_t(t)].place, offset_of<Dim>(n)));
-      if (found == at.end()) continue;
-      tiles[std::size_t(t)].neighbours[n] = found->second;
-      tiles[std::size_t(found->second)].neighbours[2 * itself - n] = t;  // as seen from there
-    }
-  }
+  for_each_of(backend, tiles.size() - occupied.size(), [&](std::size_t empty) {
+    for (int n = 0; n < n_neighbours<Dim>; ++n)
+      if (n != itself) meet(occupied.size() + empty, n);
+  });
   return tiles;
 }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "talus/mpm/cell_order.hpp"
 #include "talus/mpm/refinement.hpp"
 #include "talus/mpm/stage/stresses.hpp"
 
@@ -71,7 +72,8 @@ class ParticleRefinement {
       }
     });
     for (std::size_t b = 0; b < m.bodies.size(); ++b)
-      if (m.bodies[b].particles.memory().extent) rebuild(m.bodies[b], plans[b], first_ids(m, plans[b], n_ids));
+      if (m.bodies[b].particles.memory().extent)
+        rebuild(m.bodies[b], plans[b], first_ids(m, plans[b], n_ids), m.backend);
     m.n_particles += cost.n_split - cost.n_merged;
     cost.particles = add_up_particles(m);
     cost.particles[Sum::averaging] = m.add_up(merging)[Sum::averaging];
@@ -159,7 +161,7 @@ class ParticleRefinement {
 
   /// New particles follow those from which they were split, so that the order of particles does not depend on owners.
   /// `ids`: the first new one in each tile.
-  static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, const std::vector<long>& ids) {
+  static void rebuild(Body<Dim>& body, const std::vector<Plan>& plans, const std::vector<long>& ids, Backend& backend) {
     Particles<Dim>& p = body.particles;
     std::vector<char> copies(std::size_t(p.size()), 1);
     std::vector<const Split*> split_of(std::size_t(p.size()), nullptr);
@@ -187,7 +189,7 @@ class ParticleRefinement {
       }
       range = {begin, int(rows.size())};
     }
-    p.columns().take(rows);
+    reorder(p.columns(), rows, backend);
     for (const auto& [row, split, id] : added) {
       for (int a = 0; a < Dim; ++a) p.position(a)[row] -= 2 * split->offset[a];
       p.set_ids(row, id, p.ancestor(row));
