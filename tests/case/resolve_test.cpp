@@ -154,6 +154,7 @@ Case cylinder_3d_coarse() {
 Case cylinder_3d_wide() {
   Case c = cylinder_3d();
   c.title = "A cylinder of grains collapses, read as 140 mm in diameter";
+  c.domain = {place("-560 mm", "-560 mm", "0 mm"), place("560 mm", "560 mm", "184 mm")};
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("70 mm"), m("175 mm")}, "2 mm")};
   c.bodies[0].lattice = Lattice::blue_noise;
   return c;
