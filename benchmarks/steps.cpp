@@ -1,9 +1,10 @@
 /// Whole steps: how many particles talus moves through a step in a second, for a few cases, on one thread and on several.
 ///
 /// Prints one table. Every measurement is a block of steps that is repeated, and the best block counts: what else runs
-/// on a machine can only slow it down. Several threads are compared with one in a line of its own: the median over short
-/// blocks in turn, with one thread on each of the cores, as cores of a shared machine differ in speed. Rates a CPU-second count the processor time of all threads; for them to mean
-/// work, threads that wait must soon sleep, as they do in talus (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
+/// on a machine can only slow it down. Several threads are compared with one in a line of its own, the median over short
+/// blocks in turn, with one thread on each of the cores: cores of a shared machine differ in speed. Rates a CPU-second
+/// count the processor time of all threads; for them to mean work, threads that wait must soon sleep, as they do in talus
+/// (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
 
 #include <fmt/format.h>
 #include <malloc.h>

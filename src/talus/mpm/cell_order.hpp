@@ -174,7 +174,7 @@ inline void reorder(Columns& columns, const std::vector<int>& order, Backend& ba
 /// Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of quadratic splines that
 /// particles of a line touch are the same across it (kernel/lines.hpp). A tile has so many cells of lines.
 template <int Dim>
-inline constexpr int n_slots = tile_edge* power(tile_edge + 1, Dim - 1);
+inline constexpr int n_slots = power(tile_edge + 1, Dim - 1) * tile_edge;
 
 /// The order of rows by tiles and, in each, by lines and by cells along them; rows of one cell of a line stay in their order.
 /// `slots`: of every row, its cell of a line, numbered over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all
@@ -187,8 +187,8 @@ std::vector<int> order_of_rows(const RowOrder& rows, const std::vector<std::uint
     for (std::size_t r = rows.size() * part / n_parts; r < rows.size() * (part + 1) / n_parts; ++r)
       for (int i = rows[r].begin; i < rows[r].end; ++i) f(i, slots[std::size_t(i)] / std::uint32_t(n_slots<Dim>));
   };
-  std::vector<std::vector<int>> next(
-      n_parts);  // of each part, the place of its next row of a tile; at first their number
+  // Of each part, the place of its next row of a tile; at first the number of these rows.
+  std::vector<std::vector<int>> next(n_parts);
   for_each_of(backend, n_parts, [&](std::size_t part) {
     next[part].assign(tiles.size(), 0);
     for_each_row_of(part, [&](int, std::uint32_t tile) { ++next[part][tile]; });
