@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "talus/mpm/cell_order.hpp"
 #include "talus/mpm/ledger.hpp"
 #include "talus/mpm/model.hpp"
 
@@ -70,8 +71,7 @@ void let_out_through(Model<Dim, Shape>& m, std::size_t way, IsOut is_out, PlaceO
         range = {begin, end};
         begin = end;
       }
-      Columns::Spare spare(p.columns());
-      for (int c = 0; c < p.columns().n_columns(); ++c) p.columns().permute(c, order, spare);
+      reorder(p.columns(), order, m.backend);
     }
     if (kept == p.size() && m.backend.n_owners() == 1) continue;
     long n_left = 0;
