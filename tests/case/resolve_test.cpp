@@ -139,8 +139,8 @@ Case cylinder_3d() {
   c.materials = {grains()};
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("35 mm"), m("175 mm")}, "1.33333333333333333 mm")};
   c.bodies[0].lattice = Lattice::blue_noise;
-  c.end = 0.6;
-  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.6 s"});
+  c.end = 0.7;
+  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.7 s"});
   return c;
 }
 
@@ -157,8 +157,6 @@ Case cylinder_3d_wide() {
   c.domain = {place("-560 mm", "-560 mm", "0 mm"), place("560 mm", "560 mm", "184 mm")};
   c.bodies = {resting_body("cylinder", Cylinder{{}, m("70 mm"), m("175 mm")}, "2 mm")};
   c.bodies[0].lattice = Lattice::blue_noise;
-  c.end = 0.7;
-  set_output(c, "20 ms", "1 ms", {"0 s", "0.05 s", "0.1 s", "0.15 s", "0.25 s", "0.7 s"});
   return c;
 }
 

@@ -28,13 +28,13 @@ TEST(Simsand, ElasticModulusByHand) {
   const double K = law.bulk_modulus(law.growth(0.85), atmospheric_pressure, 1.0);
   EXPECT_NEAR(K / atmospheric_pressure, 150 * 2.12 * 2.12 / 1.85 / 1.8, 1e-9);
   // and it grows with p^0.6
-  const double x = law.x_at(4 * atmospheric_pressure);
+  const double x = law.compression_at(4 * atmospheric_pressure);
   EXPECT_NEAR(law.bulk_modulus(law.growth(0.85), 4 * atmospheric_pressure, x) / K, std::pow(4, 0.6), 1e-12);
 }
 
 TEST(Simsand, PressureAndXAreInverse) {
   const Simsand law = case_1_sand();
-  for (double p : {1e-6, 1.0, 400.0, 1e6}) EXPECT_NEAR(law.pressure_at(law.x_at(p)) / p, 1, 1e-13);
+  for (double p : {1e-6, 1.0, 400.0, 1e6}) EXPECT_NEAR(law.pressure_at(law.compression_at(p)) / p, 1, 1e-13);
   EXPECT_EQ(law.pressure_at(0.0), 0);
   EXPECT_EQ(law.pressure_at(-0.1), 0);
 }
@@ -80,7 +80,7 @@ TEST(Simsand, IsotropicCompressionIsThePowerLaw) {
     for (int i = 0; i < n; ++i) law.update(s, strain_by(T::isotropic(-v / n / 3)), how);
     const auto e = [](double w) { return 1.85 * std::exp(-w) - 1; };
     const double integral = v / 6 * (law.growth(0.85) + 4 * law.growth(e(v / 2)) + law.growth(e(v)));
-    const double p = atmospheric_pressure * std::pow(law.x_at(5e4) + integral, 1 / (1 - law.n));
+    const double p = atmospheric_pressure * std::pow(law.compression_at(5e4) + integral, 1 / (1 - law.n));
     EXPECT_NEAR(pressure(s.stress) / p, 1, how.scheme == Integrator::return_mapping ? 2e-6 : 1e-9);
     EXPECT_NEAR(s.kappa, 0, 1e-15);
     EXPECT_NEAR(s.skeleton_void_ratio, e(v), 1e-12);
@@ -340,7 +340,7 @@ TEST_P(Degenerate, ContactsPressedFromZeroStressFollowTheClosedForm) {
 TEST_P(Degenerate, TensionTakesAllStressAtTheClosedFormStrain) {
   // p falls to zero at the elastic strain x0/a, no earlier and no later
   const Simsand law = case_1_sand();
-  const double p0 = 400, strain = law.x_at(p0) / law.growth(0.85);
+  const double p0 = 400, strain = law.compression_at(p0) / law.growth(0.85);
   State s = isotropic_state(law, p0, 0.85);
   law.update(s, strain_by(T::isotropic(0.99 * strain / 3)), GetParam());
   EXPECT_GT(pressure(s.stress), 0);
@@ -352,7 +352,7 @@ TEST_P(Degenerate, TensionTakesAllStressAtTheClosedFormStrain) {
 TEST_P(Degenerate, AGapClosesBeforeContactsPressAgain) {
   const Simsand law = case_1_sand();
   State s = isotropic_state(law, 400, 0.85);
-  const double closed = law.x_at(400) / law.growth(0.85);
+  const double closed = law.compression_at(400.0) / law.growth(0.85);
   law.update(s, strain_by(T::isotropic((closed + 0.01) / 3)), GetParam());  // opens a gap of 1 %
   EXPECT_NEAR(law.void_ratio(s), 1.85 * std::exp(closed + 0.01) - 1, 1e-9);
   law.update(s, strain_by(T::isotropic(-0.0099 / 3)), GetParam());

@@ -57,7 +57,7 @@ TEST(Stiffness, AtTheStartTheElasticCompressionIsThatOfTheScaledStiffness) {
     std::visit(
         [&]<class Law>(const Law& law) {
           SCOPED_TRACE(law.name);
-          if constexpr (AveragesCompression<Law>) {
+          if constexpr (AveragesPressure<Law>) {
             const auto state = isotropic_state(law, 10e3, 0.8);
             EXPECT_NEAR(law.pressure_at(Law::compression(state)), 10e3, 1e-8);
           }

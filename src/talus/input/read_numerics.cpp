@@ -12,7 +12,7 @@ constexpr Option shape{"shape", "shape functions", shape_function_choices};
 constexpr Option transfer{"transfer", "transfer of velocities between particles and grid", transfer_choices};
 constexpr Option order{"order", "when the stress is updated", order_choices};
 constexpr Flag f_bar{"f_bar", "average the rate of volume change over each cell (not with average_pressure)"};
-constexpr Flag average_pressure{"average_pressure", "average the elastic compression over each cell"};
+constexpr Flag average_pressure{"average_pressure", "average the pressure of grains over each cell"};
 constexpr Flag particle_shifting{"particle_shifting",
                                  "move particles apart where they are closer than their volumes allow"};
 constexpr Option particle_splitting{"particle_splitting", "where stretched particles are split", splitting_choices};

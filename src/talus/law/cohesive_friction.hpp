@@ -115,19 +115,31 @@ struct CohesiveFriction : Elasticity {
     return state.volume_ratio;
   }
 
-  /// The signed elastic compression that the solver averages over a cell; the distance to the apex scales the deviator.
-  template <class R>
-  TALUS_HD static R compression(const State<R>& state) {
+  template <class S>
+  TALUS_HD static auto& compression(S& state) {
     return state.compression;
   }
+  template <class R>
+  TALUS_HD static R contact_pressure(const State<R>& state) {
+    return pressure(state.stress);
+  }
+  TALUS_HD double open_pressure() const { return apex; }
   /// Increase of that compression while an opening closes.
   TALUS_HD static double growth_in_gap() { return 1; }
   template <Number R>
   TALUS_HD R pressure_at(R w) const {
     return max(R(bulk_modulus()) * w, R(apex));
   }
-  /// The volume changes with it, because an opening that the mean transfers takes its volume along. Otherwise the
-  /// volumes of particles that mix would depart from those of their material.
+  template <Number R>
+  TALUS_HD R compression_per_pressure(R) const {
+    return R(1 / bulk_modulus());
+  }
+  template <Number R>
+  TALUS_HD R stored_energy(const State<R>& state, R, R p, R) const {
+    return energy_density(state.stress) + elastic_work(pressure(state.stress), p);
+  }
+  /// The distance to the apex scales the deviator. The volume changes with the compression, because an opening that others
+  /// take over takes its volume along. Otherwise the volumes of particles that mix would depart from those of their material.
   template <Number R>
   TALUS_HD void impose_compression(State<R>& state, R w, R p) const {
     const R old = pressure(state.stress) - R(apex);
@@ -135,6 +147,10 @@ struct CohesiveFriction : Elasticity {
     state.stress = stress_from(scale * deviator(state.stress), p);
     state.volume_ratio = state.volume_ratio * exp(state.compression - w);
     state.compression = w;
+  }
+  template <Number R>
+  TALUS_HD static void impose_volume(State<R>& state, R v) {
+    state.volume_ratio = v;
   }
 
   /// The state under a stress at whose Lode angle the strength has the slope M.
@@ -182,7 +198,9 @@ std::span<const QuantityOf<Law>> cohesive_friction_quantities() {
       {{"volume_ratio", "1", 1, "volume over the volume at the start"},
        [](const Law&, const S& s, const D&, double* v) { *v = s.volume_ratio; }},
       {{"separated", "1", 1, "1 where the material has opened"},
-       [](const Law& l, const S& s, const D&, double* v) { *v = s.compression < l.closed(); }},
+       [](const Law& l, const S& s, const D&, double* v) {
+         *v = s.compression < l.closed() && !(pressure(s.stress) > l.apex);
+       }},
   };
   return table;
 }

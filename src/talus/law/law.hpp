@@ -25,7 +25,7 @@
 ///   friction_rise()           increase of that friction with the rate
 ///   stiffening(void_ratio)    see `StiffensFromNothing`; such laws get the solver's bulk viscosity
 ///   collisional_stress(state) [Pa], if collisions may return work of shear: see `MayReturnWork`
-///   compression, growth_in_gap, pressure_at, impose_compression   see `AveragesCompression` in registry.hpp
+///   compression, pressure_at and others   see `AveragesPressure` in registry.hpp
 /// See docs/howto/add_a_law.md. `update` neither allocates nor throws nor calls virtual functions; its Response reports
 /// failures.
 

@@ -57,7 +57,11 @@ struct NewtonianFluid {
   /// Work of the pressure since c = 0, K (e^c - 1 - c) for a unit of present volume.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    const R c = max(state.compression, R(0.0));
+    return stored_energy(state, state.compression, R(0.0), R(0.0));
+  }
+  template <Number R>
+  TALUS_HD R stored_energy(const State<R>&, R compression, R, R) const {
+    const R c = max(compression, R(0.0));
     return R(K) * (exp(c) - R(1.0) - c);
   }
   template <class R>
@@ -70,15 +74,26 @@ struct NewtonianFluid {
   }
 
   TALUS_HD static double growth_in_gap() { return 1; }
-  template <class R>
-  TALUS_HD static R compression(const State<R>& state) {
+  template <class S>
+  TALUS_HD static auto& compression(S& state) {
     return state.compression;
+  }
+  template <class R>
+  TALUS_HD static R contact_pressure(const State<R>& state) {
+    return pressure(state.stress);
+  }
+  TALUS_HD static double open_pressure() { return 0; }
+  template <Number R>
+  TALUS_HD R compression_per_pressure(R) const {
+    return R(1 / K);
   }
   template <Number R>
   TALUS_HD static void impose_compression(State<R>& state, R c, R p) {
     state.stress = stress_from(deviator(state.stress), p);
     state.compression = c;
   }
+  template <Number R>
+  TALUS_HD static void impose_volume(State<R>&, R) {}  // it is that of the compression
 
   TALUS_HD void scale_stiffness(double factor) { K *= factor; }
 

@@ -65,12 +65,39 @@ inline bool keeps_neighbours(const AnyLaw& any_law) {
       any_law);
 }
 
-/// Whether the solver may average the elastic compression of such a law over a cell.
+/// Laws whose pressure follows from an elastic compression, negative where grains have moved apart, so that the solver may
+/// average it over a cell. Then the particles of a cell have its mean pressure in their stress, and each keeps its own
+/// compression:
+///   compression(state)            its own, a reference
+///   contact_pressure(state)       the pressure that belongs to the stress of contacts [Pa]
+///   pressure_at(x), compression_per_pressure(p)   of contacts, [Pa] and [1/Pa]
+///   open_pressure()               where grains are apart [Pa]: 0, or the tension that cohesion holds
+///   growth_in_gap()               of the compression as a gap closes
+///   stored_energy(state, x, p, per_p)   elastic energy [J/m3] of a point with its own compression x, which causes p, while
+///                                 contacts of this compression per pressure have its stress
+///   impose_compression(state, x, p)     sets both; a gap takes its volume along
+///   impose_volume(state, v)       sets the specific volume, gap included
 template <class Law>
-concept AveragesCompression = requires(const Law& law, typename Law::template State<double>& s) {
-  { Law::compression(s) } -> std::convertible_to<double>;
+concept AveragesPressure = requires(const Law& law, typename Law::template State<double>& s) {
+  { Law::compression(s) } -> std::same_as<double&>;
+  { Law::contact_pressure(s) } -> std::convertible_to<double>;
+  { law.open_pressure() } -> std::convertible_to<double>;
   { law.growth_in_gap() } -> std::convertible_to<double>;
-  law.impose_compression(s, 0.0, law.pressure_at(0.0));
+  { law.compression_per_pressure(law.pressure_at(0.0)) } -> std::convertible_to<double>;
+  { law.stored_energy(s, 0.0, 0.0, 0.0) } -> std::convertible_to<double>;
+  law.impose_compression(s, 0.0, 0.0);
+  law.impose_volume(s, 1.0);
 };
+
+/// Elastic energy [J/m3] of any state of a law.
+template <class Law, class State>
+TALUS_HD auto stored_energy(const Law& law, const State& state) {
+  if constexpr (AveragesPressure<Law>) {
+    const auto x = Law::compression(state);
+    return law.stored_energy(state, x, law.pressure_at(x), law.compression_per_pressure(Law::contact_pressure(state)));
+  } else {
+    return law.elastic_energy(state);
+  }
+}
 
 }  // namespace talus

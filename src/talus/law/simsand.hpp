@@ -97,9 +97,20 @@ struct Simsand {
   TALUS_HD double exponent() const { return 1 / (1 - n); }
   template <Number R>
   TALUS_HD R pressure_at(R x) const {
-    return select(x > R(0.0), R(atmospheric_pressure) * exp(R(exponent()) * log(x)), R(0.0));
+    const R ratio = n == 0.5 ? x * x : exp(R(exponent()) * log(x));  // of most sands; powers take longer
+    return select(x > R(0.0), R(atmospheric_pressure) * ratio, R(0.0));
   }
-  TALUS_HD double x_at(double p) const { return p > 0 ? exp((1 - n) * log(p / atmospheric_pressure)) : 0; }
+  /// x/p [1/Pa]
+  template <Number R>
+  TALUS_HD R compression_per_pressure(R p) const {
+    const R ratio = max(p, R(1e-300)) * R(1 / atmospheric_pressure);
+    const R power = n == 0.5 ? inverse_root(ratio) : exp(R(-n) * log(ratio));
+    return select(p > R(0.0), R(1 / atmospheric_pressure) * power, R(0.0));
+  }
+  template <Number R>
+  TALUS_HD R compression_at(R p) const {
+    return p * compression_per_pressure(p);
+  }
 
   /// K = m a p/x with m = 1/(1-n): the tangent bulk modulus. Eq. 4
   template <Number R>
@@ -161,28 +172,36 @@ struct Simsand {
     return state.stress;
   }
 
-  /// 1/K [1/Pa] of contacts pressed by p; finite where there is no pressure.
-  template <Number R>
-  TALUS_HD R compliance(const State<R>& state, R p) const {
-    const R room = max(R(2.97) - state.skeleton_void_ratio, R(1e-3));
-    return max(state.x, R(1e-300)) * (R(1.0) + state.skeleton_void_ratio) /
-           (R(exponent() * growth_factor()) * room * room * max(p, R(1e-200)));
-  }
-  /// Elastic energy [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by
-  /// shear, at the present stiffness.
+  /// Elastic energy [J/m3]: p x/((m + 1) a) by compression, exactly, with m = 1/(1-n); q^2/(6 G) by shear, at the present
+  /// stiffness.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
     const R p = pressure(state.stress);
-    const double m = exponent();
-    const R compression = R(m / (m + 1)) * p * p * compliance(state, p);
-    return select(p > R(0.0), compression, R(0.0)) + stored_in_shear(state);
+    return stored_energy(state, state.x, p, max(state.x, R(0.0)) / max(p, R(1e-200)));
   }
   /// Its part due to shear [J/m3], which becomes frictional heat when contacts are lost.
   template <Number R>
   TALUS_HD R stored_in_shear(const State<R>& state) const {
-    const R p = pressure(state.stress);
+    return per_growth(state) * shear_times_growth(state, max(state.x, R(0.0)) / max(pressure(state.stress), R(1e-200)));
+  }
+  /// Both of a point with a compression x of its own, which causes p, while contacts with the compression `per_p` over their
+  /// pressure have its stress (`AveragesPressure`).
+  template <Number R>
+  TALUS_HD R stored_energy(const State<R>& state, R x, R p, R per_p) const {
+    return per_growth(state) * (R(1 / (exponent() + 1)) * p * max(x, R(0.0)) + shear_times_growth(state, per_p));
+  }
+  /// 1/a
+  template <Number R>
+  TALUS_HD R per_growth(const State<R>& state) const {
+    const R room = max(R(2.97) - state.skeleton_void_ratio, R(1e-3));
+    return (R(1.0) + state.skeleton_void_ratio) / (R(growth_factor()) * room * room);
+  }
+  /// s:s/(4 G) times a.
+  template <Number R>
+  TALUS_HD R shear_times_growth(const State<R>& state, R per_p) const {
     const SymTensor<R> s = deviator(state.stress);
-    return select(p > R(0.0), R(0.25 / shear_to_bulk()) * double_dot(s, s) * compliance(state, p), R(0.0));
+    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p;
+    return select(pressure(state.stress) > R(0.0), energy, R(0.0));
   }
 
   template <class R>
@@ -199,18 +218,28 @@ struct Simsand {
   }
   TALUS_HD double void_ratio(const State<double>& state) const { return specific_volume(state) - 1; }
 
-  /// The signed measure of elastic compression that the solver averages over a cell, and its replacement by the mean:
-  /// the pressure follows, the stress ratio s/p stays.
-  template <class R>
-  TALUS_HD static R compression(const State<R>& state) {
+  /// x, and the pressure that the stress has: of the grains of this point, or with others of its cell (`AveragesPressure`).
+  template <class S>
+  TALUS_HD static auto& compression(S& state) {
     return state.x;
   }
+  template <class R>
+  TALUS_HD static R contact_pressure(const State<R>& state) {
+    return pressure(state.stress);
+  }
+  TALUS_HD static double open_pressure() { return 0; }
+  /// The stress ratio s/p stays.
   template <Number R>
   TALUS_HD static void impose_compression(State<R>& state, R x, R p) {
     const R old = pressure(state.stress);
     const R scale = select(old > R(0.0), p / max(old, R(1e-300)), R(0.0));
     state.stress = stress_from(scale * deviator(state.stress), p);
     state.x = x;
+  }
+  template <Number R>
+  TALUS_HD void impose_volume(State<R>& state, R v) const {
+    if (any(state.x < R(0.0))) v = v * exp(min(state.x, R(0.0)) * R(1 / growth_in_gap()));
+    state.skeleton_void_ratio = v - R(1.0);
   }
 
   /// Shear over normal stress in simple shear at the critical state, M/sqrt 3 at sin 3theta = 0: there the deviators of
@@ -238,7 +267,7 @@ inline StateOrReason<Simsand::State<double>> Simsand::at_rest(const InitialState
   const double q = von_mises(s), e = initial.void_ratio;
   if (p < 0) return "the stress is tensile on average; grains without cohesion carry none";
   if (p == 0 && q > 0) return "a shear stress needs a pressure";
-  State<double> state{initial.stress, x_at(p), initial.kappa.value_or(0.0), e};
+  State<double> state{initial.stress, compression_at(p), initial.kappa.value_or(0.0), e};
   if (q == 0) return state;
   const double ln_P = log(p / atmospheric_pressure);
   const double M_p = friction_slope(lode, peak_tangent(ln_density(ln_P, log(e))), lode_sine(s));
@@ -322,7 +351,7 @@ inline std::span<const QuantityOf<Simsand>> Simsand::quantities() {
       {{"gap", "1", 1, "volumetric strain of the gap between separated grains; 0 where they touch"},
        [](const Simsand& l, const S& s, const D&, double* v) { *v = s.x < 0 ? -s.x / l.growth_in_gap() : 0; }},
       {{"separated", "1", 1, "1 where the grains have moved apart"},
-       [](const Simsand&, const S& s, const D&, double* v) { *v = s.x < 0; }},
+       [](const Simsand&, const S& s, const D&, double* v) { *v = s.x < 0 && !(pressure(s.stress) > 0); }},
   };
   return table;
 }

@@ -60,7 +60,7 @@ struct SimsandAppendixA {
     const double p = pressure(initial.stress);
     if (von_mises(deviator(initial.stress)) > 0) return "`simsand_appendix_a` starts from an isotropic stress";
     if (p < 0) return "the stress is tensile; grains without cohesion carry none";
-    return State<double>{p, sand.x_at(p), 0, initial.kappa.value_or(0), initial.void_ratio};
+    return State<double>{p, sand.compression_at(p), 0, initial.kappa.value_or(0), initial.void_ratio};
   }
 
   static constexpr Range void_ratios = Simsand::void_ratios;
@@ -149,7 +149,7 @@ TALUS_HD inline Response<double> SimsandAppendixA::forward_euler(State<double>& 
     return response;
   }
   s = after(s, c, d.v);
-  s.x = sand.x_at(p);
+  s.x = sand.compression_at(p);
   response.outcome = double(c.kappa > 0 ? Outcome::plastic : Outcome::elastic);
   return response;
 }

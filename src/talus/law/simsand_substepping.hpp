@@ -302,7 +302,7 @@ TALUS_NOINLINE TALUS_HD Response<double> forward_euler(const Simsand& law, Simsa
   Response<double> response{double(yielding ? Outcome::plastic : Outcome::elastic), 0, 0, 0, 0, 0};
   response.plastic_work = (t.p * t.dilatancy() + t.q) * c.dkappa;
   if (p_new > 0) {
-    state = {stress_from(from.s + c.s, p_new), law.x_at(p_new), from.kappa + c.ahead, trial.e};
+    state = {stress_from(from.s + c.s, p_new), law.compression_at(p_new), from.kappa + c.ahead, trial.e};
     response.stiffness = law.wave_modulus(law.bulk_modulus(trial.a, p_new, state.x));
   } else {
     state = let_go(law, state, strain.D_v, trial, from.kappa + deviatoric_strain(strain.dev));

@@ -261,7 +261,7 @@ std::vector<double> elastic_energies(const Body<Dim>& body, RowRange range) {
       [&]<class Law>(const Law& law) {
         for (int i = range.begin; i < range.end; ++i) {
           const auto state = state_of<Law>(p, i);
-          energies.push_back(p.reference_volume()[i] * law.specific_volume(state) * law.elastic_energy(state));
+          energies.push_back(p.reference_volume()[i] * law.specific_volume(state) * stored_energy(law, state));
         }
       },
       body.law);

@@ -306,7 +306,7 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
         for (const Merger& pair : mergers) {
           const int i = pair.first, j = pair.second;
           const auto volume = [&](int k) { return p.reference_volume()[k] * law.specific_volume(state_of<Law>(p, k)); };
-          const auto energy = [&](int k) { return volume(k) * law.elastic_energy(state_of<Law>(p, k)); };
+          const auto energy = [&](int k) { return volume(k) * stored_energy(law, state_of<Law>(p, k)); };
           lost += energy(i) + energy(j);
           const double share = p.mass()[i] / (p.mass()[i] + p.mass()[j]);
           const SymTensor<double> S = joined_extent(p, pair, share);
@@ -331,19 +331,20 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
           mean(ParticleField::velocity, share);
           set_extent(p, i, S);
           if (p.mass()[j] > p.mass()[i]) p.set_ids(i, p.id(i), p.ancestor(j));
-          // Weights of the reference volumes conserve the volume; compression is averaged as over cells.
+          // Weights of the reference volumes conserve the volume; compression counts as in means over cells.
           double x_mean = 0;
-          if constexpr (AveragesCompression<Law>) {
+          if constexpr (AveragesPressure<Law>) {
             const double V[2] = {volume(i), volume(j)};
             const auto share_of = [&](int k) {
-              return detail::share_of_mean(law, Law::compression(state_of<Law>(p, k)));
+              const auto state = state_of<Law>(p, k);
+              return detail::share_of_mean(law, Law::compression(state));
             };
             x_mean = detail::compression_of_mean(law, (V[0] * share_of(i) + V[1] * share_of(j)) / (V[0] + V[1]));
           }
           mean(ParticleField::state, p.reference_volume()[i] / (p.reference_volume()[i] + p.reference_volume()[j]));
-          if constexpr (AveragesCompression<Law>) {
+          if constexpr (AveragesPressure<Law>) {
             auto state = state_of<Law>(p, i);
-            law.impose_compression(state, x_mean, law.pressure_at(x_mean));
+            law.impose_compression(state, x_mean, Law::contact_pressure(state));
             set_state<Law>(p, i, state);
           }
           for (ParticleField f : extensive)

@@ -18,7 +18,7 @@ enum class Sum {
   kinetic = momentum + 3,         ///< of the particles
   potential,                      ///< of the particles
   elastic,                        ///< of the particles
-  averaging,                      ///< elastic energy lost by averaging of compression and opening of sparse material
+  averaging,                      ///< elastic energy lost by averaging of pressure and opening of sparse material
   internal_work,                  ///< of the stress on the particles' strain in this step
   plastic_work,                   ///< the part of it turned into heat by friction
   collisional_work,               ///< the part of it done against collisional stress

@@ -308,7 +308,7 @@ std::string energy_section(const Case& case_, const Ledger& l, const SurfaceSumm
   row("elastic energy at the end", l.elastic);
   row("frictional dissipation", l.plastic);
   row("collisional dissipation", l.collisional);
-  row("dissipation by averaging of compression over cells", l.averaging);
+  row("dissipation by averaging of pressure over cells", l.averaging);
   row("dissipation by bulk viscosity", l.viscous);
   row("numerical dissipation in transfers between particles and grid", l.numerical);
   row("friction on walls and solids", l.wall_friction);

@@ -15,8 +15,9 @@ TEST(Scratch, EveryRowHasRoomForTheParticlesAndAPackMore) {
   std::vector<double*> rows;
   for (auto& row : s.gradient) rows.insert(rows.end(), row, row + 3);
   rows.insert(rows.end(), s.flux, s.flux + 6);
-  rows.insert(rows.end(), {s.stiffness, s.x, s.volume, s.mean_x, s.mean_p, s.mean_rate});
-  EXPECT_EQ(std::set<double*>(rows.begin(), rows.end()).size(), 21u) << "no row twice";
+  rows.insert(rows.end(),
+              {s.stiffness, s.share, s.p, s.volume, s.mean_share, s.mean_p, s.mean_per_p, s.mean_rate, s.filling});
+  EXPECT_EQ(std::set<double*>(rows.begin(), rows.end()).size(), 24u) << "no row twice";
   for (double* row : rows) std::fill_n(row, n + pack_width, 7.0);  // the address sanitizer would see what is beyond
   std::fill_n(s.cell, n + pack_width, 7);
 }

@@ -46,7 +46,7 @@ __global__ void __launch_bounds__(block_size) update_law(const Law law, const do
   const auto L = load_row<Tensor<double>>(columns.gradient, i);
   const SymTensor<double> rate = symmetric_part(L);
   Law::turn(state, incremental_rotation(L, dt));
-  if constexpr (AveragesCompression<Law>) {
+  if constexpr (AveragesPressure<Law>) {
     const double mean = columns.mean_compression[i];
     law.impose_compression(state, mean, law.pressure_at(mean));
   }

@@ -10,14 +10,15 @@ namespace talus {
 
 /// View for kernels: rows with one number per particle of the tile, padded by the widest pack.
 struct ScratchView {
-  double* gradient[3][3];               ///< velocity gradient L [1/s]
-  double* flux[6];                      ///< volume times stress [J], tension-positive
-  double* stiffness;                    ///< volume times modulus of compression waves [J]
-  double *x, *volume;                   ///< elastic compression and volume of the particles
-  double *mean_x, *mean_p, *mean_rate;  ///< of the particle's cell: compression, its pressure, tr L
-  double* filling;                      ///< of the nodes around the particle, see `find_filling`
-  int* cell;                            ///< of the particle, in its tile
-  double* velocity[3] = {};             ///< of the nodes, interpolated [m/s]; elsewhere, or null
+  double* gradient[3][3];          ///< velocity gradient L [1/s]
+  double* flux[6];                 ///< volume times stress [J], tension-positive
+  double* stiffness;               ///< volume times modulus of compression waves [J]
+  double *share, *p, *volume;      ///< of the particles: what compression counts in a mean, its pressure, volume
+  double *mean_share, *mean_p;     ///< of the particle's cell
+  double *mean_per_p, *mean_rate;  ///< of the particle's cell: compression over the mean pressure it causes, tr L
+  double* filling;                 ///< of the nodes around the particle, see `find_filling`
+  int* cell;                       ///< of the particle, in its tile
+  double* velocity[3] = {};        ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
   TALUS_HD Tensor<double> gradient_of(int i) const {
     Tensor<double> L;
@@ -44,18 +45,20 @@ class Scratch {
       for (int b = 0; b < 3; ++b) v.gradient[a][b] = rows[3 * a + b];
     for (int c = 0; c < 6; ++c) v.flux[c] = rows[9 + c];
     v.stiffness = rows[15];
-    v.x = rows[16];
-    v.volume = rows[17];
-    v.mean_x = rows[18];
-    v.mean_p = rows[19];
-    v.mean_rate = rows[20];
-    v.filling = rows[21];
+    v.share = rows[16];
+    v.p = rows[17];
+    v.volume = rows[18];
+    v.mean_share = rows[19];
+    v.mean_p = rows[20];
+    v.mean_per_p = rows[21];
+    v.mean_rate = rows[22];
+    v.filling = rows[23];
     v.cell = cell_.data();
     return v;
   }
 
  private:
-  static constexpr int n_rows = 22;
+  static constexpr int n_rows = 24;
   std::vector<double> rows_[n_rows];
   std::vector<int> cell_;
 };

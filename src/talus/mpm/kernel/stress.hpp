@@ -15,11 +15,11 @@ namespace talus {
 struct StressUpdate {
   double dt;
   Integration integration;
-  bool average_pressure;  ///< replace elastic compression by its mean over the cell
+  bool average_pressure;  ///< replace the pressure of contacts by its mean over the cell
   bool f_bar;             ///< replace the rate of volume change by its mean over the cell
   double bulk_viscosity;  ///< b, share of critical damping of the grid's shortest waves, see `viscous_pressure`
   double rest_speed = 0;  ///< slower material is at rest, and its gaps close [m/s], see `gap_of_rest`
-  double closing = 0;     ///< sqrt(g/h): rate of closing [1/s]
+  double closing = 0;     ///< sqrt(g/h): rate at which gaps close at rest, and spread over a cell [1/s]
 };
 
 /// Material rests below this share of sqrt(g h), the speed of free fall over half a cell.
@@ -81,17 +81,20 @@ TALUS_HD R compression_of_mean(const Law& law, R mean) {
   return select(mean < zero, a * log(max(R(1.0) + min(mean, zero) / a, R(1e-300))), mean);
 }
 
-/// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and
-/// `of_compression` asks for it, of the elastic compression.
-template <Number R, bool of_compression, class Law, int Dim>
+/// The mean over each cell, weighted with volume, of the rate of volume change and, if the law has one and `of_pressure`
+/// asks for it, of the pressure of contacts and of what compressions count.
+template <Number R, bool of_pressure, class Law, int Dim>
 TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                                  const CellFinder<Dim>& cells, const ScratchView& s) {
   constexpr int n_cells = power(tile_edge, Dim);
   const int n = tile.size();
   static_assert(n_cells % width_of<R> == 0);
-  // Volume, and its products with rate and compression. One particle in four adds to the same numbers: neighbours stand in
-  // one cell, and would wait for each other.
-  alignas(32) double sums[4][n_cells][4] = {}, means[n_cells][4], x[n_cells], p[n_cells];
+  // Volume, and its products with the rate, the share and the pressure above that of open material, so that a cell is open where
+  // all of its particles are. One particle in four adds to the same numbers: neighbours stand in one cell, and would wait for
+  // each other.
+  alignas(32) double sums[4][n_cells][4] = {}, means[n_cells][4], p[n_cells], per_p[n_cells];
+  double open = 0;
+  if constexpr (of_pressure) open = law.open_pressure();
   for (int i = 0; i < n; i += 4) {
     const int count = n - i < 4 ? n - i : 4;
     const Quad cell = cells.at(particles.places(tile.begin + i, count)), volume = load<Quad>(&s.volume[i]);
@@ -99,8 +102,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     for (int a = 0; a < 3; ++a) rate += load<Quad>(&s.gradient[a][a][i]);
     added[0] = volume;
     added[1] = volume * rate;
-    added[2] = of_compression ? volume * load<Quad>(&s.x[i]) : Quad(0.0);
-    added[3] = Quad(0.0);
+    added[2] = of_pressure ? volume * load<Quad>(&s.share[i]) : Quad(0.0);
+    added[3] = of_pressure ? volume * (load<Quad>(&s.p[i]) - Quad(open)) : Quad(0.0);
     transpose(added);
     for (int lane = 0; lane < count; ++lane) {
       const int c = s.cell[i + lane] = int(cell[lane]);
@@ -113,15 +116,13 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     const double volume = sum[0];
     const Quad mean = volume > 0 ? sum / Quad(volume) : Quad(0.0);
     store(means[c], mean);
-    x[c] = mean[2];
+    p[c] = open + mean[3];
   }
-  if constexpr (of_compression)
+  if constexpr (of_pressure)
     for (int c = 0; c < n_cells; c += width_of<R>) {
-      const R mean = compression_of_mean(law, load<R>(&x[c]));
-      store(&x[c], mean);
-      store(&p[c], law.pressure_at(mean));
+      store(&per_p[c], law.compression_per_pressure(load<R>(&p[c])));
       for (int k = c; k < c + width_of<R>; ++k) {
-        means[k][2] = x[k];
+        means[k][0] = per_p[k];
         means[k][3] = p[k];
       }
     }
@@ -130,11 +131,53 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[s.cell[i + lane < n ? i + lane : n - 1]]);
     transpose(mean);
     store(&s.mean_rate[i], mean[1]);
-    if constexpr (of_compression) {
-      store(&s.mean_x[i], mean[2]);
+    if constexpr (of_pressure) {
+      store(&s.mean_per_p[i], mean[0]);
+      store(&s.mean_share[i], mean[2]);
       store(&s.mean_p[i], mean[3]);
     }
   }
+}
+
+/// Overwrites a state by another one where `mask` says so.
+template <Number R, class State>
+TALUS_HD void take_where(mask_t<R> mask, State& other, State& state) {
+  using talus::select;  // laws have another `select` in `detail`
+  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
+    numbers_of<R>(state)[k] = select(mask, numbers_of<R>(other)[k], numbers_of<R>(state)[k]);
+}
+
+/// Gives a state the mean pressure of its cell in its stress, and moves its own compression towards what the cell's mean share
+/// says, by `mixed` of the way. Where the whole cell is open its own compression stays the one of its stress. Returns the
+/// compression of the stress.
+template <Number R, class Law>
+TALUS_HD R take_mean_pressure(const Law& law, typename Law::template State<R>& state, R share, R mean_share, R mean_p,
+                              R mean_per_p, double mixed) {
+  using talus::select;  // laws have another `select` in `detail`
+  law.impose_compression(state, compression_of_mean(law, share + R(mixed) * (mean_share - share)), mean_p);
+  return select(mean_p > R(law.open_pressure()), mean_p * mean_per_p, R(Law::compression(state)));
+}
+
+/// Moves a state whose stress is that of the compression x through the step. Its own compression changes by as much as x, its
+/// volume by the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Leaves the end of x in
+/// it.
+template <Number R, class Law>
+TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template State<R>& state, const Motion<R>& motion,
+                                       const Integration& integration, R& x) {
+  const R zero(0.0), own = Law::compression(state), volume = law.specific_volume(state), start = x;
+  Law::compression(state) = x;
+  const R before = law.specific_volume(state);
+  const Response<R> response = law.update(state, motion, integration);
+  x = Law::compression(state);
+  const R end = own + (x - start), after = law.specific_volume(state);
+  Law::compression(state) = end;
+  const mask_t<R> has_gap = (own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
+  if (any(has_gap)) {
+    auto open = state;
+    law.impose_volume(open, volume * (after / before));
+    take_where<R>(has_gap, open, state);
+  }
+  return response;
 }
 
 /// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that
@@ -179,8 +222,8 @@ TALUS_HD R gap_of_rest(R gap, double fallen) {
   return root * root;
 }
 
-/// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where a gap has
-/// closed.
+/// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where the last gap has
+/// closed in material without stress.
 template <Number R, class Law, int Dim>
 TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particles, int first, int count,
                               const StressUpdate& how, typename Law::template State<R>& state) {
@@ -197,11 +240,11 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
   closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
   if (!any(closes)) return closes;
   const R a(law.growth_in_gap()), left = gap_of_rest(max(zero - x, zero) / a, 0.5 * how.dt * how.closing);
+  const R p = Law::contact_pressure(state);
   State closed = state;
-  law.impose_compression(closed, zero - a * left, zero);
-  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
-    numbers_of<R>(state)[k] = select(closes, numbers_of<R>(closed)[k], numbers_of<R>(state)[k]);
-  return closes & !(left > zero);
+  law.impose_compression(closed, zero - a * left, p);
+  take_where<R>(closes, closed, state);
+  return closes & !(left > zero) & !(p > zero);
 }
 
 }  // namespace detail
@@ -215,11 +258,13 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
   using namespace detail;
   using State = typename Law::template State<R>;
   const int n = tile.size();
-  const bool averages = !f_bar && how.average_pressure && AveragesCompression<Law>;
-  if constexpr (AveragesCompression<Law>) {
+  const bool averages = !f_bar && how.average_pressure && AveragesPressure<Law>;
+  if constexpr (AveragesPressure<Law>) {
     if (averages) {
       for_each_pack<R>(law, particles, tile, [&](int i, const State& state, R volume) {
-        store(&s.x[i], share_of_mean(law, Law::compression(state)));
+        const R x = Law::compression(state);
+        store(&s.share[i], share_of_mean(law, x));
+        store(&s.p[i], law.pressure_at(x));
         store(&s.volume[i], volume);
       });
       average_over_cells<R, true>(law, particles, tile, cells, s);
@@ -230,6 +275,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     average_over_cells<R, false>(law, particles, tile, cells, s);
   }
   const R zero(0.0), dt(how.dt);
+  const double mixed = how.dt * how.closing < 1 ? how.dt * how.closing : 1;
   PackSums<R> total;
   for (int i = 0; i < n; i += width_of<R>) {
     const int first = tile.begin + i, count = n - i < width_of<R> ? n - i : width_of<R>;
@@ -240,7 +286,6 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     const R mass = load<R>(particles.mass() + first, count);
     const Tensor<R> L = load_gradient<R, Dim>(s, i);
     const SymTensor<R> rate = symmetric_part(L);
-    const R old_volume = reference_volume * law.specific_volume(state);
 
     Motion<R> motion{dt * rate, rate, how.dt};
     Law::turn(state, incremental_rotation(L, how.dt));
@@ -250,19 +295,39 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
       motion.strain = dt * motion.strain_rate;
     };
     if constexpr (f_bar) impose_mean_rate();
-    if constexpr (AveragesCompression<Law>) {
+    Response<R> response;
+    R stored(0.0);  // J/m3
+    const auto update = [&] {
+      response = law.update(state, motion, how.integration);
+      stored = law.elastic_energy(state);
+    };
+    if constexpr (AveragesPressure<Law>) {
       if (averages) {
         impose_mean_rate();
-        const R own = old_volume * law.elastic_energy(state);
-        law.impose_compression(state, load<R>(&s.mean_x[i]), load<R>(&s.mean_p[i]));
-        total.averaging += own - reference_volume * law.specific_volume(state) * law.elastic_energy(state);
+        const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
+        const auto energy = [&](R own, R p, R per_p) {
+          return reference_volume * law.specific_volume(state) * law.stored_energy(state, own, p, per_p);
+        };
+        const R before = energy(R(Law::compression(state)), load<R>(&s.p[i]),
+                                law.compression_per_pressure(Law::contact_pressure(state)));
+        R x =
+            take_mean_pressure(law, state, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p, mixed);
+        // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
+        const R taken = energy(x, mean_p, mean_per_p);
+        response = update_under_mean(law, state, motion, how.integration, x);
+        const R p = Law::contact_pressure(state), per_p = max(x, zero) / max(p, R(1e-200)), left = energy(x, p, per_p);
+        if (how.closing > 0)
+          response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
+                                    R(double(Outcome::zero_pressure)), response.outcome);
+        const R own = Law::compression(state), own_p = law.pressure_at(own);
+        stored = law.stored_energy(state, own, own_p, per_p);
+        total.averaging += before - taken + left - energy(own, own_p, per_p);
+      } else {
+        update();
       }
+    } else {
+      update();
     }
-    Response<R> response = law.update(state, motion, how.integration);
-    if constexpr (AveragesCompression<Law>)
-      if (averages && how.closing > 0)
-        response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
-                                  R(double(Outcome::zero_pressure)), response.outcome);
     store_states<R>(particles, first, count, state);
 
     const R volume = reference_volume * law.specific_volume(state);
@@ -277,7 +342,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
       }
     }
     for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
-    total.elastic += volume * law.elastic_energy(state);
+    total.elastic += volume * stored;
     // With averaging over cells the material has the mean rate and the nodes that of the particle: the difference of
     // work is numerical dissipation.
     total.internal_work += volume * response.work;
@@ -311,7 +376,7 @@ template <class Law, int Dim>
 TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                             const ScratchView& s) {
   double lost = 0;
-  if constexpr (AveragesCompression<Law>)
+  if constexpr (AveragesPressure<Law>)
     for (int i = 0; i < tile.size(); ++i) {
       if (!(s.filling[i] < sparsest_filling)) continue;
       using State = typename Law::template State<double>;
@@ -320,7 +385,7 @@ TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles,
       const double x = -law.growth_in_gap() * gap;
       if (!(x < Law::compression(state)) || law.pressure_at(x) < 0) continue;
       const double reference_volume = particles.reference_volume()[tile.begin + i];
-      const auto energy = [&] { return reference_volume * law.specific_volume(state) * law.elastic_energy(state); };
+      const auto energy = [&] { return reference_volume * law.specific_volume(state) * stored_energy(law, state); };
       lost += energy();
       law.impose_compression(state, x, law.pressure_at(x));
       lost -= energy();
