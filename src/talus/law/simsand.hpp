@@ -109,7 +109,8 @@ struct Simsand {
   }
   template <Number R>
   TALUS_HD R compression_at(R p) const {
-    return p * compression_per_pressure(p);
+    const R ratio = max(p, R(1e-300)) * R(1 / atmospheric_pressure);
+    return select(p > R(0.0), exp(R(1 - n) * log(ratio)), R(0.0));
   }
 
   /// K = m a p/x with m = 1/(1-n): the tangent bulk modulus. Eq. 4

@@ -160,15 +160,16 @@ TALUS_HD R take_mean_pressure(const Law& law, typename Law::template State<R>& s
 
 /// Moves a state whose stress is that of the compression x through the step. Its own compression changes by as much as x, its
 /// volume by the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Leaves the end of x in
-/// it.
+/// it, and in `stored` the elastic energy of the stress [J/m3].
 template <Number R, class Law>
 TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template State<R>& state, const Motion<R>& motion,
-                                       const Integration& integration, R& x) {
+                                       const Integration& integration, R& x, R& stored) {
   const R zero(0.0), own = Law::compression(state), volume = law.specific_volume(state), start = x;
   Law::compression(state) = x;
   const R before = law.specific_volume(state);
   const Response<R> response = law.update(state, motion, integration);
   x = Law::compression(state);
+  stored = law.elastic_energy(state);
   const R end = own + (x - start), after = law.specific_volume(state);
   Law::compression(state) = end;
   const mask_t<R> has_gap = (own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
@@ -305,23 +306,21 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
       if (averages) {
         impose_mean_rate();
         const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
-        const auto energy = [&](R own, R p, R per_p) {
-          return reference_volume * law.specific_volume(state) * law.stored_energy(state, own, p, per_p);
-        };
-        const R before = energy(R(Law::compression(state)), load<R>(&s.p[i]),
-                                law.compression_per_pressure(Law::contact_pressure(state)));
+        const auto volume_now = [&] { return reference_volume * law.specific_volume(state); };
+        const R before = volume_now() * law.stored_energy(state, R(Law::compression(state)), load<R>(&s.p[i]),
+                                                          law.compression_per_pressure(Law::contact_pressure(state)));
         R x =
             take_mean_pressure(law, state, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p, mixed);
         // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
-        const R taken = energy(x, mean_p, mean_per_p);
-        response = update_under_mean(law, state, motion, how.integration, x);
-        const R p = Law::contact_pressure(state), per_p = max(x, zero) / max(p, R(1e-200)), left = energy(x, p, per_p);
+        const R taken = volume_now() * law.stored_energy(state, x, mean_p, mean_per_p);
+        response = update_under_mean(law, state, motion, how.integration, x, stored);
+        const R left = volume_now() * stored;
         if (how.closing > 0)
           response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
                                     R(double(Outcome::zero_pressure)), response.outcome);
-        const R own = Law::compression(state), own_p = law.pressure_at(own);
-        stored = law.stored_energy(state, own, own_p, per_p);
-        total.averaging += before - taken + left - energy(own, own_p, per_p);
+        const R own = Law::compression(state), p = Law::contact_pressure(state);
+        stored = law.stored_energy(state, own, law.pressure_at(own), max(x, zero) / max(p, R(1e-200)));
+        total.averaging += before - taken + left - volume_now() * stored;
       } else {
         update();
       }
