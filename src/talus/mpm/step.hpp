@@ -271,7 +271,7 @@ class Stepper final : public Simulation {
   }
 
   /// Distance in cells that particles may go before they are put in cell order again: a tenth, because where
-  /// compression is averaged, particles that have left their tile still count as in its nearest cell.
+  /// pressure is averaged, particles that have left their tile still count as in its nearest cell.
   static constexpr double largest_drift = 0.1;
   /// Distance in cells from its place in the order beyond which a particle's nodes may lie outside the window of its tile.
   /// In free fall a single step may be half a cell long.
