@@ -56,7 +56,7 @@ TEST(ReadCase, UnderstandsTheSlump) {
   EXPECT_EQ(c.walls[0], WallKind::open);
   EXPECT_DOUBLE_EQ(*c.numerics.tau, 0.08 * std::sqrt(0.05 / 9.81));
   const Granular& law = std::get<Granular>(c.materials.at(0).law);
-  EXPECT_DOUBLE_EQ(law.frictional.tan_phi_c, std::tan(20.9 * std::numbers::pi / 180));
+  EXPECT_DOUBLE_EQ(law.frictional.derived.tan_phi_c, std::tan(20.9 * std::numbers::pi / 180));
   EXPECT_DOUBLE_EQ(law.collisional.d, 1e-3);
   EXPECT_DOUBLE_EQ(estimated_particles(c), 16000);
 }

@@ -188,15 +188,15 @@ TEST(GranularRate, ShearMakesTheGapPartOfALooserSkeleton) {
   const GranularRate law = beads();
   const double k_p = law.frictional.k_p;
   State s = isotropic_state(law, 0, 0.6);
-  s.frictional.x = -0.01 * law.growth_in_gap();
+  s.frictional.x = -0.01 * law.frictional.growth_in_gap();
   const double volume = law.specific_volume(s);
   Simsand::State<double> sheared = s.frictional;
   law.rearrange(sheared, k_p);
-  EXPECT_NEAR(-sheared.x / law.growth_in_gap(), 0.01 * std::exp(-1), 1e-15);
+  EXPECT_NEAR(-sheared.x / law.frictional.growth_in_gap(), 0.01 * std::exp(-1), 1e-15);
   EXPECT_NEAR(law.frictional.specific_volume(sheared), volume, 1e-14);
   EXPECT_NEAR(std::log((1 + sheared.skeleton_void_ratio) / 1.6), 0.01 * (1 - std::exp(-1)), 1e-14);
   // No network is looser than e_ref: what is beyond stays a gap.
-  s.frictional.x = -0.5 * law.growth_in_gap();
+  s.frictional.x = -0.5 * law.frictional.growth_in_gap();
   sheared = s.frictional;
   law.rearrange(sheared, 100 * k_p);
   EXPECT_NEAR(sheared.skeleton_void_ratio, law.frictional.e_ref, 1e-12);
@@ -292,7 +292,7 @@ TEST(GranularRate, NoStepFromAnyStateIsTooLong) {
   for (int i = 0; i < 20000; ++i) {
     const double p = std::pow(10, 8 * share(random) - 3), e = 0.3 + 2 * share(random);
     State s = isotropic_state(law, i % 5 == 0 ? 0.0 : p, e);
-    if (i % 7 == 0) s.frictional = {T::zero(), -share(random) * law.growth_in_gap(), 0.1 * share(random), e};
+    if (i % 7 == 0) s.frictional = {T::zero(), -share(random) * law.frictional.growth_in_gap(), 0.1 * share(random), e};
     const double size = std::pow(10, -1 - 6 * share(random));
     T strain;
     for (int k = 0; k < 6; ++k) strain[k] = size * normal(random);

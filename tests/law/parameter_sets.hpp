@@ -12,7 +12,7 @@ namespace talus {
 inline Simsand simsand(double E0, double nu, double n, double phi_c_degrees, double e_ref, double Lambda, double xi,
                        double A_d, double k_p, double n_p, double n_d) {
   Simsand s{E0, nu, n, phi_c_degrees * std::numbers::pi / 180, e_ref, Lambda, xi, A_d, k_p, n_p, n_d, LodeRule::sheng,
-            0,  0};
+            {}};
   s.prepare();
   return s;
 }

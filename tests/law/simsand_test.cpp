@@ -41,11 +41,11 @@ TEST(Simsand, PressureAndXAreInverse) {
 
 TEST(Simsand, FrictionAnglesMeetAtTheCriticalState) {
   const Simsand law = wichtmann_sand();
-  EXPECT_DOUBLE_EQ(law.peak_tangent(0.0), law.tan_phi_c);
-  EXPECT_DOUBLE_EQ(law.transformation_tangent(0.0), law.tan_phi_c);
+  EXPECT_DOUBLE_EQ(law.peak_tangent(0.0), law.derived.tan_phi_c);
+  EXPECT_DOUBLE_EQ(law.transformation_tangent(0.0), law.derived.tan_phi_c);
   // loose (e > e_c): the peak is weaker, the transformation steeper
-  EXPECT_LT(law.peak_tangent(-0.1), law.tan_phi_c);
-  EXPECT_GT(law.transformation_tangent(-0.1), law.tan_phi_c);
+  EXPECT_LT(law.peak_tangent(-0.1), law.derived.tan_phi_c);
+  EXPECT_GT(law.transformation_tangent(-0.1), law.derived.tan_phi_c);
 }
 
 TEST(Simsand, AnglesAreCutAt48Degrees) {

@@ -135,8 +135,12 @@ struct CohesiveFriction : Elasticity {
     return R(1 / bulk_modulus());
   }
   template <Number R>
-  TALUS_HD R stored_energy(const State<R>& state, R, R p, R) const {
-    return energy_density(state.stress) + elastic_work(pressure(state.stress), p);
+  TALUS_HD R stored_in_compression(const State<R>&, R, R p) const {
+    return elastic_work(R(0.0), p);
+  }
+  template <Number R>
+  TALUS_HD R stored_in_shear(const State<R>& state, R) const {
+    return energy_density(deviator(state.stress));
   }
   /// The distance to the apex scales the deviator. The volume changes with the compression, because an opening that others
   /// take over takes its volume along. Otherwise the volumes of particles that mix would depart from those of their material.

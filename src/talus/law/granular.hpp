@@ -100,37 +100,6 @@ struct GranularOf {
       state.collisional = rotate(Q, state.collisional);
   }
 
-  template <class S>
-  TALUS_HD static auto& compression(S& state) {
-    return state.frictional.x;
-  }
-  template <class R>
-  TALUS_HD static R contact_pressure(const State<R>& state) {
-    return Simsand::contact_pressure(state.frictional);
-  }
-  TALUS_HD static double open_pressure() { return Simsand::open_pressure(); }
-  TALUS_HD double growth_in_gap() const { return frictional.growth_in_gap(); }
-  template <Number R>
-  TALUS_HD R pressure_at(R x) const {
-    return frictional.pressure_at(x);
-  }
-  template <Number R>
-  TALUS_HD R compression_per_pressure(R p) const {
-    return frictional.compression_per_pressure(p);
-  }
-  template <Number R>
-  TALUS_HD R stored_energy(const State<R>& state, R x, R p, R per_p) const {
-    return frictional.stored_energy(state.frictional, x, p, per_p);
-  }
-  template <Number R>
-  TALUS_HD static void impose_compression(State<R>& state, R x, R p) {
-    Simsand::impose_compression(state.frictional, x, p);
-  }
-  template <Number R>
-  TALUS_HD void impose_volume(State<R>& state, R v) const {
-    frictional.impose_volume(state.frictional, v);
-  }
-
   double critical_friction() const { return frictional.critical_friction(); }
   Stiffening stiffening(double e) const { return frictional.stiffening(e); }
   double grain_density() const { return collisional.rho_s; }

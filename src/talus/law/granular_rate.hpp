@@ -127,7 +127,7 @@ struct GranularRate {
   /// Effect of shear by `strain` on separated grains: the gap becomes void ratio of the skeleton.
   template <Number R>
   TALUS_HD void rearrange(Simsand::State<R>& state, R strain) const {
-    const R zero(0.0), one(1.0), per_gap(1 / frictional.growth_in_gap());
+    const R zero(0.0), one(1.0), per_gap(frictional.derived.gap_per_growth);
     const R gap = max(zero, zero - state.x) * per_gap;
     const R room = max(log(R(1 + frictional.e_ref) / (one + state.skeleton_void_ratio)), zero);
     const R closed = min(gap * (one - exp(strain * R(-1 / frictional.k_p))), room);
@@ -150,7 +150,7 @@ struct GranularRate {
     R w = one;
     if (any(state.frictional.x < zero)) {
       rearrange(state.frictional, deviatoric_strain(deviator(motion.strain)));
-      const R gap = max(zero, zero - state.frictional.x) * R(1 / frictional.growth_in_gap());
+      const R gap = max(zero, zero - state.frictional.x) * R(frictional.derived.gap_per_growth);
       w = reach > 0 ? fading(gap) : select(gap > zero, zero, one);
     }
     const R p_f = pressure(state.frictional.stress), p = p_f + w * pressing;
@@ -191,37 +191,6 @@ struct GranularRate {
     Simsand::turn(state.frictional, Q);
     state.collisional = rotate(Q, state.collisional);
   }
-  template <class S>
-  TALUS_HD static auto& compression(S& state) {
-    return state.frictional.x;
-  }
-  template <class R>
-  TALUS_HD static R contact_pressure(const State<R>& state) {
-    return Simsand::contact_pressure(state.frictional);
-  }
-  TALUS_HD static double open_pressure() { return Simsand::open_pressure(); }
-  TALUS_HD double growth_in_gap() const { return frictional.growth_in_gap(); }
-  template <Number R>
-  TALUS_HD R pressure_at(R x) const {
-    return frictional.pressure_at(x);
-  }
-  template <Number R>
-  TALUS_HD R compression_per_pressure(R p) const {
-    return frictional.compression_per_pressure(p);
-  }
-  template <Number R>
-  TALUS_HD R stored_energy(const State<R>& state, R x, R p, R per_p) const {
-    return frictional.stored_energy(state.frictional, x, p, per_p);
-  }
-  template <Number R>
-  TALUS_HD static void impose_compression(State<R>& state, R x, R p) {
-    Simsand::impose_compression(state.frictional, x, p);
-  }
-  template <Number R>
-  TALUS_HD void impose_volume(State<R>& state, R v) const {
-    frictional.impose_volume(state.frictional, v);
-  }
-
   double critical_friction() const { return frictional.critical_friction(); }
   FrictionRise friction_rise() const {
     if (contact_friction == ContactFriction::constant) return {};

@@ -57,12 +57,16 @@ struct NewtonianFluid {
   /// Work of the pressure since c = 0, K (e^c - 1 - c) for a unit of present volume.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    return stored_energy(state, state.compression, R(0.0), R(0.0));
+    return stored_in_compression(state, state.compression, R(0.0));
   }
   template <Number R>
-  TALUS_HD R stored_energy(const State<R>&, R compression, R, R) const {
+  TALUS_HD R stored_in_compression(const State<R>&, R compression, R) const {
     const R c = max(compression, R(0.0));
     return R(K) * (exp(c) - R(1.0) - c);
+  }
+  template <Number R>
+  TALUS_HD R stored_in_shear(const State<R>&, R) const {
+    return R(0.0);
   }
   template <class R>
   TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {

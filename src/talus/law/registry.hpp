@@ -65,36 +65,49 @@ inline bool keeps_neighbours(const AnyLaw& any_law) {
       any_law);
 }
 
+/// What of a law, or of its state, stands for the enduring contacts: a part of it where collisions are added, otherwise all.
+template <class T>
+TALUS_HD constexpr auto& contacts(T& whole) {
+  if constexpr (requires { whole.frictional; })
+    return whole.frictional;
+  else
+    return whole;
+}
+
 /// Laws whose pressure follows from an elastic compression, negative where grains have moved apart, so that the solver may
 /// average it over a cell. Then the particles of a cell have its mean pressure in their stress, and each keeps its own
-/// compression:
+/// compression. Their contacts offer:
 ///   compression(state)            its own, a reference
-///   contact_pressure(state)       the pressure that belongs to the stress of contacts [Pa]
-///   pressure_at(x), compression_per_pressure(p)   of contacts, [Pa] and [1/Pa]
+///   contact_pressure(state)       the pressure that belongs to the stress [Pa]
+///   pressure_at(x), compression_per_pressure(p)   [Pa] and [1/Pa]
 ///   open_pressure()               where grains are apart [Pa]: 0, or the tension that cohesion holds
 ///   growth_in_gap()               of the compression as a gap closes
-///   stored_energy(state, x, p, per_p)   elastic energy [J/m3] of a point with its own compression x, which causes p, while
-///                                 contacts of this compression per pressure have its stress
+///   stored_in_compression(state, x, p)  elastic energy [J/m3] of a compression x, which causes p
+///   stored_in_shear(state, per_p)       that of the stress, while compression per pressure is `per_p`
 ///   impose_compression(state, x, p)     sets both; a gap takes its volume along
 ///   impose_volume(state, v)       sets the specific volume, gap included
 template <class Law>
 concept AveragesPressure = requires(const Law& law, typename Law::template State<double>& s) {
-  { Law::compression(s) } -> std::same_as<double&>;
-  { Law::contact_pressure(s) } -> std::convertible_to<double>;
-  { law.open_pressure() } -> std::convertible_to<double>;
-  { law.growth_in_gap() } -> std::convertible_to<double>;
-  { law.compression_per_pressure(law.pressure_at(0.0)) } -> std::convertible_to<double>;
-  { law.stored_energy(s, 0.0, 0.0, 0.0) } -> std::convertible_to<double>;
-  law.impose_compression(s, 0.0, 0.0);
-  law.impose_volume(s, 1.0);
+  { contacts(law).compression(contacts(s)) } -> std::same_as<double&>;
+  { contacts(law).contact_pressure(contacts(s)) } -> std::convertible_to<double>;
+  { contacts(law).open_pressure() } -> std::convertible_to<double>;
+  { contacts(law).growth_in_gap() } -> std::convertible_to<double>;
+  { contacts(law).compression_per_pressure(contacts(law).pressure_at(0.0)) } -> std::convertible_to<double>;
+  { contacts(law).stored_in_compression(contacts(s), 0.0, 0.0) } -> std::convertible_to<double>;
+  { contacts(law).stored_in_shear(contacts(s), 0.0) } -> std::convertible_to<double>;
+  contacts(law).impose_compression(contacts(s), 0.0, 0.0);
+  contacts(law).impose_volume(contacts(s), 1.0);
 };
 
 /// Elastic energy [J/m3] of any state of a law.
 template <class Law, class State>
 TALUS_HD auto stored_energy(const Law& law, const State& state) {
   if constexpr (AveragesPressure<Law>) {
-    const auto x = Law::compression(state);
-    return law.stored_energy(state, x, law.pressure_at(x), law.compression_per_pressure(Law::contact_pressure(state)));
+    const auto& pressed = contacts(law);
+    const auto& own = contacts(state);
+    const auto x = pressed.compression(own);
+    return pressed.stored_in_compression(own, x, pressed.pressure_at(x)) +
+           pressed.stored_in_shear(own, pressed.compression_per_pressure(pressed.contact_pressure(own)));
   } else {
     return law.elastic_energy(state);
   }

@@ -59,13 +59,21 @@ struct Simsand {
   double A_d, k_p, n_p, n_d;  ///< dilatancy, hardening, interlocking, Eqs. 6, 7, 9, 10
   LodeRule lode = LodeRule::sheng;
 
-  double tan_phi_c, ln_e_ref;  ///< follow from the above
+  struct Derived {
+    double tan_phi_c, ln_e_ref, exponent, shear_to_bulk, growth_factor, growth_in_gap, gap_per_growth;
+  };
+  Derived derived;  ///< follows from the above
 
   HardeningRule hardening_rule = HardeningRule::hyperbolic;
 
   TALUS_HD void prepare() {
-    tan_phi_c = std::tan(phi_c);
-    ln_e_ref = std::log(e_ref);
+    derived.tan_phi_c = std::tan(phi_c);
+    derived.ln_e_ref = std::log(e_ref);
+    derived.exponent = 1 / (1 - n);
+    derived.shear_to_bulk = 3 * (1 - 2 * nu) / (2 * (1 + nu));
+    derived.growth_factor = (1 - n) * E0 / (3 * (1 - 2 * nu));
+    derived.growth_in_gap = growth(e_ref);
+    derived.gap_per_growth = 1 / derived.growth_in_gap;
   }
 
   void scale_stiffness(double factor) { E0 *= factor; }
@@ -83,18 +91,22 @@ struct Simsand {
   /// a: growth of x with elastic volumetric compression, (1-n) E0 (2.97-e)^2/(1+e)/(3(1-2nu)). Eq. 4
   template <Number R>
   TALUS_HD R growth(R e) const {
-    const R room = max(R(2.97) - e, R(1e-3));
-    return R(growth_factor()) * room * room / (R(1.0) + e);
+    return room_for_growth(e) / (R(1.0) + e);
   }
-  TALUS_HD double growth_factor() const { return (1 - n) * E0 / (3 * (1 - 2 * nu)); }
+  /// a (1 + e)
+  template <Number R>
+  TALUS_HD R room_for_growth(R e) const {
+    const R room = max(R(2.97) - e, R(1e-3));
+    return R(derived.growth_factor) * room * room;
+  }
   /// a where grains have moved apart: growth of x as the gap closes.
-  TALUS_HD double growth_in_gap() const { return growth(e_ref); }
+  TALUS_HD double growth_in_gap() const { return derived.growth_in_gap; }
 
   /// G/K, from Poisson's ratio.
-  TALUS_HD double shear_to_bulk() const { return 3 * (1 - 2 * nu) / (2 * (1 + nu)); }
+  TALUS_HD double shear_to_bulk() const { return derived.shear_to_bulk; }
 
   /// p/p_at from ln x.
-  TALUS_HD double exponent() const { return 1 / (1 - n); }
+  TALUS_HD double exponent() const { return derived.exponent; }
   template <Number R>
   TALUS_HD R pressure_at(R x) const {
     const R ratio = n == 0.5 ? x * x : exp(R(exponent()) * log(x));  // of most sands; powers take longer
@@ -135,7 +147,7 @@ struct Simsand {
   /// ln(e_c/e): negative where the sand is loose. Eq. 8, with ln_P = ln(p/p_at)
   template <Number R>
   TALUS_HD R ln_density(R ln_P, R ln_e) const {
-    return R(ln_e_ref) - R(Lambda) * exp(R(xi) * ln_P) - ln_e;
+    return R(derived.ln_e_ref) - R(Lambda) * exp(R(xi) * ln_P) - ln_e;
   }
   TALUS_HD double density(const State<double>& state) const {
     const double p = pressure(state.stress);
@@ -144,11 +156,11 @@ struct Simsand {
   /// tan phi_p and tan phi_pt from ln(e_c/e). Eqs. 9, 10
   template <Number R>
   TALUS_HD R peak_tangent(R ln_density) const {
-    return min(R(tan_phi_c) * exp(R(n_p) * ln_density), R(steepest_tangent));
+    return min(R(derived.tan_phi_c) * exp(R(n_p) * ln_density), R(steepest_tangent));
   }
   template <Number R>
   TALUS_HD R transformation_tangent(R ln_density) const {
-    return min(R(tan_phi_c) * exp(R(-n_d) * ln_density), R(steepest_tangent));
+    return min(R(derived.tan_phi_c) * exp(R(-n_d) * ln_density), R(steepest_tangent));
   }
   /// h. Eq. 6
   template <Number R>
@@ -178,31 +190,28 @@ struct Simsand {
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
     const R p = pressure(state.stress);
-    return stored_energy(state, state.x, p, max(state.x, R(0.0)) / max(p, R(1e-200)));
+    return stored_in_compression(state, state.x, p) + stored_in_shear(state, compression_over(p, state.x));
   }
-  /// Its part due to shear [J/m3], which becomes frictional heat when contacts are lost.
   template <Number R>
-  TALUS_HD R stored_in_shear(const State<R>& state) const {
-    return per_growth(state) * shear_times_growth(state, max(state.x, R(0.0)) / max(pressure(state.stress), R(1e-200)));
+  TALUS_HD R stored_in_compression(const State<R>& state, R x, R p) const {
+    return per_growth(state) * R(1 / (exponent() + 1)) * p * max(x, R(0.0));
   }
-  /// Both of a point with a compression x of its own, which causes p, while contacts with the compression `per_p` over their
-  /// pressure have its stress (`AveragesPressure`).
+  /// The part due to shear becomes frictional heat when contacts are lost.
   template <Number R>
-  TALUS_HD R stored_energy(const State<R>& state, R x, R p, R per_p) const {
-    return per_growth(state) * (R(1 / (exponent() + 1)) * p * max(x, R(0.0)) + shear_times_growth(state, per_p));
+  TALUS_HD R stored_in_shear(const State<R>& state, R per_p) const {
+    const SymTensor<R> s = deviator(state.stress);
+    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p * per_growth(state);
+    return select(pressure(state.stress) > R(0.0), energy, R(0.0));
+  }
+  /// x/p of a stress [1/Pa].
+  template <Number R>
+  TALUS_HD static R compression_over(R p, R x) {
+    return max(x, R(0.0)) / max(p, R(1e-200));
   }
   /// 1/a
   template <Number R>
   TALUS_HD R per_growth(const State<R>& state) const {
-    const R room = max(R(2.97) - state.skeleton_void_ratio, R(1e-3));
-    return (R(1.0) + state.skeleton_void_ratio) / (R(growth_factor()) * room * room);
-  }
-  /// s:s/(4 G) times a.
-  template <Number R>
-  TALUS_HD R shear_times_growth(const State<R>& state, R per_p) const {
-    const SymTensor<R> s = deviator(state.stress);
-    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p;
-    return select(pressure(state.stress) > R(0.0), energy, R(0.0));
+    return (R(1.0) + state.skeleton_void_ratio) / room_for_growth(state.skeleton_void_ratio);
   }
 
   template <class R>
@@ -215,7 +224,7 @@ struct Simsand {
   TALUS_HD R specific_volume(const State<R>& state) const {
     const R closed = R(1.0) + state.skeleton_void_ratio;
     if (!any(state.x < R(0.0))) return closed;
-    return closed * exp(-min(state.x, R(0.0)) * R(1 / growth_in_gap()));
+    return closed * exp(-min(state.x, R(0.0)) * R(derived.gap_per_growth));
   }
   TALUS_HD double void_ratio(const State<double>& state) const { return specific_volume(state) - 1; }
 
@@ -239,13 +248,15 @@ struct Simsand {
   }
   template <Number R>
   TALUS_HD void impose_volume(State<R>& state, R v) const {
-    if (any(state.x < R(0.0))) v = v * exp(min(state.x, R(0.0)) * R(1 / growth_in_gap()));
+    if (any(state.x < R(0.0))) v = v * exp(min(state.x, R(0.0)) * R(derived.gap_per_growth));
     state.skeleton_void_ratio = v - R(1.0);
   }
 
   /// Shear over normal stress in simple shear at the critical state, M/sqrt 3 at sin 3theta = 0: there the deviators of
   /// strain rate and stress consist of the shear only.
-  TALUS_HD double critical_friction() const { return friction_slope(lode, tan_phi_c, 0.0) / std::numbers::sqrt3; }
+  TALUS_HD double critical_friction() const {
+    return friction_slope(lode, derived.tan_phi_c, 0.0) / std::numbers::sqrt3;
+  }
 
   /// Horizontal over vertical stress at rest: Jaky 1944.
   double earth_pressure_at_rest() const { return 1 - std::sin(phi_c); }

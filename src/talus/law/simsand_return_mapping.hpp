@@ -17,7 +17,7 @@ template <class R>
 struct Trial {
   mask_t<R> can_touch;  ///< the grains touch, or the gap closes in this step
   R e;                  ///< skeleton void ratio, if the grains touch after the step
-  R a;                  ///< growth of x, at e
+  R a, per_a;           ///< growth of x at e, and 1 over it
   R x;                  ///< x, if the grains touch and no friction acts
 };
 
@@ -25,10 +25,12 @@ template <Number R>
 TALUS_HD Trial<R> try_elastic(const Simsand& law, const Simsand::State<R>& state, R D_v) {
   const R zero = R(0.0), one = R(1.0);
   const mask_t<R> touched = state.x >= zero;
-  const R beyond_gap = state.x * R(1 / law.growth_in_gap()) + D_v;  // where a gap was open
+  const R beyond_gap = state.x * R(law.derived.gap_per_growth) + D_v;  // where a gap was open
   Trial<R> t;
   t.e = (one + state.skeleton_void_ratio) * exp(-select(touched, D_v, beyond_gap)) - one;
-  t.a = law.growth(t.e);
+  const R room = law.room_for_growth(t.e), per_both = one / (room * (one + t.e));
+  t.a = room * room * per_both;
+  t.per_a = (one + t.e) * (one + t.e) * per_both;
   t.x = select(touched, state.x + t.a * D_v, t.a * beyond_gap);
   t.can_touch = touched | (beyond_gap > zero);
   return t;
@@ -40,7 +42,7 @@ TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& s
                                   R kappa) {
   const R zero = R(0.0), one = R(1.0);
   const R closed =
-      select(state.x >= zero, state.x / law.growth(state.skeleton_void_ratio), state.x * R(1 / law.growth_in_gap()));
+      select(state.x >= zero, state.x / law.growth(state.skeleton_void_ratio), state.x * R(law.derived.gap_per_growth));
   const R gap = min(closed + D_v, zero);
   const R e = any(gap < zero) ? (one + t.e) * exp(gap) - one : t.e;
   // Contacts with negligible pressure keep it.
@@ -70,7 +72,7 @@ struct ReturnEquation {
   const Friction& friction;
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
   R kappa_n, p_n, x_n, ln_e;
-  R k_n;                 ///< dp/dx at the old stress
+  R k_n, x_per_p_n;      ///< dp/dx and x/p at the old stress
   R ss, se, ee;          ///< s_n:s_n, s_n:e, e:e
   R sss, sse, see, eee;  ///< s_n:s_n.s_n, e:s_n.s_n, s_n:e.e, e:e.e
   double m;              ///< p/p_at = x^m
@@ -87,7 +89,9 @@ struct ReturnEquation {
     const R zero = R(0.0);
     p_n = max(pressure(state.stress), zero);
     x_n = max(state.x, zero);
-    k_n = select(p_n > zero, R(m) * p_n / max(x_n, R(1e-300)), zero);
+    const R per_both = select(p_n > zero, R(1.0) / (max(p_n, R(1e-100)) * max(x_n, R(1e-100))), zero);
+    k_n = R(m) * p_n * p_n * per_both;
+    x_per_p_n = x_n * x_n * per_both;
     ln_e = log(t.e);
     ss = double_dot(s_n, s_n);
     se = double_dot(s_n, e_dev);
@@ -121,7 +125,7 @@ struct ReturnEquation {
     const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * (r.per_q * r.per_q * r.per_q)));
 
     const R density = law.ln_density(ln_P, ln_e);
-    r.lowering = R(law.ln_e_ref) - ln_e - density;
+    r.lowering = R(law.derived.ln_e_ref) - ln_e - density;
     r.M_p = friction_slope(law.lode, law.peak_tangent(density), S);
     r.M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
     if constexpr (!Friction::is_constant) {
@@ -206,10 +210,16 @@ struct ReturnEquation {
   }
 };
 
+/// What of a point changes slowly with x.
+template <class R>
+struct SlowlyVarying {
+  R G, M_p, M_pt;
+};
+
 /// The point at x + step from those at x and x - dx: slowly varying quantities linearly, p as p ~ x^m, and f = 0.
 template <class R, class Friction>
 TALUS_HD ReturnPoint<R> extrapolate(const ReturnEquation<R, Friction>& equation, const ReturnPoint<R>& at,
-                                    const ReturnPoint<R>& before, R step, R dx) {
+                                    const SlowlyVarying<R>& before, R step, R dx) {
   const R per_both = R(1.0) / (dx * at.x), t = step * at.x * per_both, d = step * dx * per_both;
   const auto on_line = [&](R now, R then) { return now + t * (now - then); };
   ReturnPoint<R> r = at;
@@ -249,7 +259,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
                                                                  const Motion<R>& motion,
                                                                  const Friction& friction = {}) {
   using M = mask_t<R>;
-  const R zero = R(0.0), floor = R(least_x), unbounded = R(1e300);
+  const R zero = R(0.0), one = R(1.0), floor = R(least_x), unbounded = R(1e300);
   const R D_v = volumetric_compression(motion.strain);
   const Trial<R> trial = try_elastic(law, state, D_v);
   if (!any(trial.can_touch)) {
@@ -290,7 +300,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     lost = lost | gone;
 
     const R dx = next.x - r.x, dresidual = next.residual - r.residual;
-    const ReturnPoint<R> before = r;
+    const SlowlyVarying<R> before{r.G, r.M_p, r.M_pt};
     r = select_point<R>(open, next, r);
     low = select(open & negative, r.x, low);
     high = select(open & !negative, r.x, high);
@@ -308,9 +318,9 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     }
   }
   const R x = select(elastic, trial.x, r.x);
-  // Energy stored before the step, per unit of volume after it.
-  const R shrunk = (R(1.0) + state.skeleton_void_ratio) / (R(1.0) + trial.e);
-  const R stored_before = shrunk * law.elastic_energy(state), shear_before = shrunk * law.stored_in_shear(state);
+  // 1/a before the step, per unit of volume after it.
+  const R grains_n = one + state.skeleton_void_ratio;
+  const R per_a_n = grains_n * grains_n / ((one + trial.e) * law.room_for_growth(state.skeleton_void_ratio));
 
   const M carries = !lost;
   if (all(carries)) {
@@ -325,7 +335,8 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   Response<R> response;
   response.outcome = outcome_of(carries, r.dkappa > zero, state.x < zero);
   response.outcome = select(open, R(double(Outcome::unconverged)), response.outcome);
-  response.stiffness = select(carries, law.wave_modulus(law.bulk_modulus(trial.a, r.p, x)), zero);
+  const R per_all = one / (r.G * r.p * x), p_per_x = r.p * r.p * r.G * per_all, x_per_p = x * x * r.G * per_all;
+  response.stiffness = select(carries, law.wave_modulus(R(equation.m) * trial.a * p_per_x), zero);
   response.viscosity = zero;
   // Shear and flow work at the mean of the stresses at both ends, compression along p ~ x^m; a gap opens and closes
   // without work. With stiffness that follows the pressure not all elastic work is stored. When contacts are lost, they
@@ -333,18 +344,20 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const R q = select(elastic, r.q_trial, r.p * r.eta());
   const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) * r.per_q;
   const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + q);
-  const R per_a = R(1.0) / trial.a;
-  const R compressing = (r.p * x - equation.p_n * equation.x_n) * R(1 / (equation.m + 1)) * per_a;
-  const R shearing = (q * q - R(1.5) * equation.ss) / (R(6.0) * r.G);
-  const R half_se = R(0.5) * equation.se;
-  response.work = select(carries,
-                         compressing + p_mean * (trial.x - x) * per_a + half_se +
-                             R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
-                         half_se + shear_before - stored_before);
-  response.plastic_work = select(carries,
-                                 p_mean * (trial.x - x) * per_a + q_mean * r.dkappa + compressing + shearing +
-                                     stored_before - law.elastic_energy(state),
-                                 half_se + shear_before);
+  // Energies of compression p x/((m + 1) a) and of shear q^2/(6 G), G = G_1 a p/x, before the step per unit of volume after it.
+  const R per_a = trial.per_a, c = R(1 / (equation.m + 1)), c_shear = R(1 / (6 * law.shear_to_bulk() * equation.m));
+  const R px_n = equation.p_n * equation.x_n, qq_n = R(1.5) * equation.ss, qq = q * q;
+  const R shear_before = per_a_n * c_shear * qq_n * equation.x_per_p_n;
+  const R shear_after = per_a * c_shear * qq * x_per_p;
+  const R compressing = (r.p * x - px_n) * c * per_a;
+  const R shearing = (qq - qq_n) * R(1.0 / 6) * (r.p * x * per_all);
+  const R flowing = p_mean * (trial.x - x) * per_a, half_se = R(0.5) * equation.se;
+  response.work =
+      select(carries, compressing + flowing + half_se + R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
+             half_se - per_a_n * c * px_n);
+  response.plastic_work = select(
+      carries, flowing + q_mean * r.dkappa + (per_a_n - per_a) * c * px_n + shearing + shear_before - shear_after,
+      half_se + shear_before);
   response.collisional_work = zero;
   return response;
 }

@@ -52,7 +52,7 @@ struct Tangent {
     const double S = lode_sine(flow);
 
     const double P_xi = exp(law.xi * ln_P);
-    const double density = law.ln_e_ref - law.Lambda * P_xi - log(e);
+    const double density = law.derived.ln_e_ref - law.Lambda * P_xi - log(e);
     const double t_p = law.peak_tangent(density);
     peak = friction_slope_and_derivatives(law.lode, t_p, S);
     M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);

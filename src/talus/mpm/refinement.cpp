@@ -337,14 +337,16 @@ double apply_mergers(Body<Dim>& body, const std::vector<Merger>& mergers) {
             const double V[2] = {volume(i), volume(j)};
             const auto share_of = [&](int k) {
               const auto state = state_of<Law>(p, k);
-              return detail::share_of_mean(law, Law::compression(state));
+              return detail::share_of_mean(contacts(law), contacts(law).compression(contacts(state)));
             };
-            x_mean = detail::compression_of_mean(law, (V[0] * share_of(i) + V[1] * share_of(j)) / (V[0] + V[1]));
+            x_mean =
+                detail::compression_of_mean(contacts(law), (V[0] * share_of(i) + V[1] * share_of(j)) / (V[0] + V[1]));
           }
           mean(ParticleField::state, p.reference_volume()[i] / (p.reference_volume()[i] + p.reference_volume()[j]));
           if constexpr (AveragesPressure<Law>) {
             auto state = state_of<Law>(p, i);
-            law.impose_compression(state, x_mean, Law::contact_pressure(state));
+            const auto& pressed = contacts(law);
+            pressed.impose_compression(contacts(state), x_mean, pressed.contact_pressure(contacts(state)));
             set_state<Law>(p, i, state);
           }
           for (ParticleField f : extensive)

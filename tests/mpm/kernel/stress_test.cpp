@@ -323,7 +323,7 @@ TEST(GapsAtRest, CloseByTheSameBitsInAPack) {
       p.position(1)[i] = 0.5;
       p.velocity(0)[i] = 0.03 * i;
       auto state = isotropic_state(law, 10, 0.8);
-      if (i % 3 != 0) Granular::impose_compression(state, -0.3 * i, 0.0);
+      if (i % 3 != 0) Simsand::impose_compression(state.frictional, -0.3 * i, 0.0);
       set_state<Granular>(p, i, state);
     }
     Scratch scratch;
@@ -347,7 +347,7 @@ TEST(SparseMaterial, HasToCloseToATenthOfTheRoomAroundItBeforeItCarries) {
   auto p = particles_at<2>(std::vector<Vec<2>>(4, {0.5, 0.5}), {state_size<Granular>});
   const auto pressed = isotropic_state(law, 1e3, 0.8);
   auto wide = pressed;
-  Granular::impose_compression(wide, -5 * law.growth_in_gap(), 0.0);
+  Simsand::impose_compression(wide.frictional, -5 * law.frictional.growth_in_gap(), 0.0);
   for (int i = 0; i < 4; ++i) {
     p.reference_volume()[i] = 2;
     set_state<Granular>(p, i, i == 2 ? wide : pressed);
@@ -398,7 +398,7 @@ struct Eleven {
       p.reference_volume()[i] = 1 + 0.1 * i;
       auto state = isotropic_state(law, p0 * (1 + 0.2 * i), 0.8);
       if constexpr (AveragesPressure<Law>)
-        if (i % 4 == 1) law.impose_compression(state, -0.01 * i, 0.0);
+        if (i % 4 == 1) contacts(law).impose_compression(contacts(state), -0.01 * i, 0.0);
       set_state<Law>(p, i, state);
       for (int a = 0; a < 2; ++a)
         for (int b = 0; b < 2; ++b) s.gradient[a][b][i] = 0.01 * std::sin(1 + i + 3 * a + 7 * b);
@@ -567,7 +567,7 @@ TEST(MeansOverCells, AStoredEnergyIsThatOfTheOwnCompressionAndOfTheShearOfTheStr
   auto state = isotropic_state(law, 1e4, 0.8);
   state.stress.xy = 2e3;
   EXPECT_NEAR(stored_energy(law, state), law.elastic_energy(state), 1e-13 * law.elastic_energy(state));
-  const double shear = law.stored_in_shear(state);
+  const double shear = law.stored_in_shear(state, law.compression_per_pressure(1e4));
   auto open = state;
   open.x = -0.1;
   EXPECT_NEAR(stored_energy(law, open), shear, 1e-13 * shear);

@@ -28,7 +28,7 @@ struct LawColumns {
   double* const* state;            ///< `State` of the law
   const double* const* gradient;   ///< velocity gradient [1/s], row by row
   const double* reference_volume;  ///< [m3]
-  const double* mean_compression;  ///< elastic compression averaged over the cell
+  const double* compression;       ///< to impose first, where the solver may average the pressure
   double* const* flux;             ///< volume times stress [J], tension-positive
   double* const* response;         ///< `Response` of the law
   double* elastic_energy;          ///< [J]
@@ -47,8 +47,8 @@ __global__ void __launch_bounds__(block_size) update_law(const Law law, const do
   const SymTensor<double> rate = symmetric_part(L);
   Law::turn(state, incremental_rotation(L, dt));
   if constexpr (AveragesPressure<Law>) {
-    const double mean = columns.mean_compression[i];
-    law.impose_compression(state, mean, law.pressure_at(mean));
+    const double x = columns.compression[i];
+    contacts(law).impose_compression(contacts(state), x, contacts(law).pressure_at(x));
   }
   const Response<double> response =
       law.update(state, Motion<double>{dt * rate, rate, dt}, Integration{scheme, tolerance});

@@ -66,15 +66,15 @@ TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles,
 /// What compression x counts in a mean weighted with volume V: itself where material is pressed, a (e^(x/a) - 1) where
 /// it has opened, with a the growth of x as it closes. So what is left when all has closed, the sum of V e^(x/a), is
 /// what it was; means of x itself would lose room with every gap that opens in a cell and closes.
-template <Number R, class Law>
-TALUS_HD R share_of_mean(const Law& law, R x) {
+template <Number R, class Contacts>
+TALUS_HD R share_of_mean(const Contacts& law, R x) {
   using talus::select;  // laws have another `select` in `detail`
   const R zero(0.0), a(law.growth_in_gap());
   if (!any(x < zero)) return x;
   return select(x < zero, a * (exp(min(x, zero) / a) - R(1.0)), x);
 }
-template <Number R, class Law>
-TALUS_HD R compression_of_mean(const Law& law, R mean) {
+template <Number R, class Contacts>
+TALUS_HD R compression_of_mean(const Contacts& law, R mean) {
   using talus::select;
   const R zero(0.0), a(law.growth_in_gap());
   if (!any(mean < zero)) return mean;
@@ -94,7 +94,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   // each other.
   alignas(32) double sums[4][n_cells][4] = {}, means[n_cells][4], p[n_cells], per_p[n_cells];
   double open = 0;
-  if constexpr (of_pressure) open = law.open_pressure();
+  if constexpr (of_pressure) open = contacts(law).open_pressure();
   for (int i = 0; i < n; i += 4) {
     const int count = n - i < 4 ? n - i : 4;
     const Quad cell = cells.at(particles.places(tile.begin + i, count)), volume = load<Quad>(&s.volume[i]);
@@ -120,7 +120,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   }
   if constexpr (of_pressure)
     for (int c = 0; c < n_cells; c += width_of<R>) {
-      store(&per_p[c], law.compression_per_pressure(load<R>(&p[c])));
+      store(&per_p[c], contacts(law).compression_per_pressure(load<R>(&p[c])));
       for (int k = c; k < c + width_of<R>; ++k) {
         means[k][0] = per_p[k];
         means[k][3] = p[k];
@@ -147,36 +147,37 @@ TALUS_HD void take_where(mask_t<R> mask, State& other, State& state) {
     numbers_of<R>(state)[k] = select(mask, numbers_of<R>(other)[k], numbers_of<R>(state)[k]);
 }
 
-/// Gives a state the mean pressure of its cell in its stress, and moves its own compression towards what the cell's mean share
-/// says, by `mixed` of the way. Where the whole cell is open its own compression stays the one of its stress. Returns the
-/// compression of the stress.
-template <Number R, class Law>
-TALUS_HD R take_mean_pressure(const Law& law, typename Law::template State<R>& state, R share, R mean_share, R mean_p,
-                              R mean_per_p, double mixed) {
+/// Gives contacts the mean pressure of their cell in their stress, and moves their own compression towards what the cell's mean
+/// share says, by `mixed` of the way. Where the whole cell is open their own compression stays the one of their stress. Returns
+/// the compression of the stress.
+template <Number R, class Contacts>
+TALUS_HD R take_mean_pressure(const Contacts& law, typename Contacts::template State<R>& state, R share, R mean_share,
+                              R mean_p, R mean_per_p, double mixed) {
   using talus::select;  // laws have another `select` in `detail`
   law.impose_compression(state, compression_of_mean(law, share + R(mixed) * (mean_share - share)), mean_p);
-  return select(mean_p > R(law.open_pressure()), mean_p * mean_per_p, R(Law::compression(state)));
+  return select(mean_p > R(law.open_pressure()), mean_p * mean_per_p, R(law.compression(state)));
 }
 
 /// Moves a state whose stress is that of the compression x through the step. Its own compression changes by as much as x, its
 /// volume by the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Leaves the end of x in
-/// it, and in `stored` the elastic energy of the stress [J/m3].
+/// it.
 template <Number R, class Law>
 TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template State<R>& state, const Motion<R>& motion,
-                                       const Integration& integration, R& x, R& stored) {
-  const R zero(0.0), own = Law::compression(state), volume = law.specific_volume(state), start = x;
-  Law::compression(state) = x;
+                                       const Integration& integration, R& x) {
+  const auto& pressed = contacts(law);
+  auto& grains = contacts(state);
+  const R zero(0.0), own = pressed.compression(grains), volume = law.specific_volume(state), start = x;
+  pressed.compression(grains) = x;
   const R before = law.specific_volume(state);
   const Response<R> response = law.update(state, motion, integration);
-  x = Law::compression(state);
-  stored = law.elastic_energy(state);
+  x = pressed.compression(grains);
   const R end = own + (x - start), after = law.specific_volume(state);
-  Law::compression(state) = end;
+  pressed.compression(grains) = end;
   const mask_t<R> has_gap = (own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
   if (any(has_gap)) {
-    auto open = state;
-    law.impose_volume(open, volume * (after / before));
-    take_where<R>(has_gap, open, state);
+    auto open = grains;
+    pressed.impose_volume(open, volume * (after / before));
+    take_where<R>(has_gap, open, grains);
   }
   return response;
 }
@@ -225,12 +226,10 @@ TALUS_HD R gap_of_rest(R gap, double fallen) {
 
 /// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where the last gap has
 /// closed in material without stress.
-template <Number R, class Law, int Dim>
-TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particles, int first, int count,
-                              const StressUpdate& how, typename Law::template State<R>& state) {
-  using State = typename Law::template State<R>;
-  using talus::select;  // laws have another `select` in `detail`
-  const R zero(0.0), x = Law::compression(state);
+template <Number R, class Contacts, int Dim>
+TALUS_HD mask_t<R> close_gaps(const Contacts& law, const ParticlesView<Dim>& particles, int first, int count,
+                              const StressUpdate& how, typename Contacts::template State<R>& state) {
+  const R zero(0.0), x = law.compression(state);
   mask_t<R> closes = x < zero;
   if (!any(closes)) return closes;
   R speed2(0.0);
@@ -241,8 +240,8 @@ TALUS_HD mask_t<R> close_gaps(const Law& law, const ParticlesView<Dim>& particle
   closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
   if (!any(closes)) return closes;
   const R a(law.growth_in_gap()), left = gap_of_rest(max(zero - x, zero) / a, 0.5 * how.dt * how.closing);
-  const R p = Law::contact_pressure(state);
-  State closed = state;
+  const R p = law.contact_pressure(state);
+  auto closed = state;
   law.impose_compression(closed, zero - a * left, p);
   take_where<R>(closes, closed, state);
   return closes & !(left > zero) & !(p > zero);
@@ -263,9 +262,9 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
   if constexpr (AveragesPressure<Law>) {
     if (averages) {
       for_each_pack<R>(law, particles, tile, [&](int i, const State& state, R volume) {
-        const R x = Law::compression(state);
-        store(&s.share[i], share_of_mean(law, x));
-        store(&s.p[i], law.pressure_at(x));
+        const R x = contacts(law).compression(contacts(state));
+        store(&s.share[i], share_of_mean(contacts(law), x));
+        store(&s.p[i], contacts(law).pressure_at(x));
         store(&s.volume[i], volume);
       });
       average_over_cells<R, true>(law, particles, tile, cells, s);
@@ -298,34 +297,38 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     if constexpr (f_bar) impose_mean_rate();
     Response<R> response;
     R stored(0.0);  // J/m3
-    const auto update = [&] {
+    if (!averages) {
       response = law.update(state, motion, how.integration);
       stored = law.elastic_energy(state);
-    };
+    }
     if constexpr (AveragesPressure<Law>) {
       if (averages) {
         impose_mean_rate();
+        const auto& pressed = contacts(law);
+        auto& grains = contacts(state);
         const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
-        const auto volume_now = [&] { return reference_volume * law.specific_volume(state); };
-        const R before = volume_now() * law.stored_energy(state, R(Law::compression(state)), load<R>(&s.p[i]),
-                                                          law.compression_per_pressure(Law::contact_pressure(state)));
-        R x =
-            take_mean_pressure(law, state, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p, mixed);
         // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
-        const R taken = volume_now() * law.stored_energy(state, x, mean_p, mean_per_p);
-        response = update_under_mean(law, state, motion, how.integration, x, stored);
-        const R left = volume_now() * stored;
+        const auto energy = [&](R x, R p, R per_p) {
+          return reference_volume * law.specific_volume(state) *
+                 (pressed.stored_in_compression(grains, x, p) + pressed.stored_in_shear(grains, per_p));
+        };
+        R averaging = energy(pressed.compression(grains), load<R>(&s.p[i]),
+                             pressed.compression_per_pressure(pressed.contact_pressure(grains)));
+        R x = take_mean_pressure(pressed, grains, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p,
+                                 mixed);
+        averaging -= energy(x, mean_p, mean_per_p);
+        response = update_under_mean(law, state, motion, how.integration, x);
+        const R p = pressed.contact_pressure(grains), per_p = max(x, zero) / max(p, R(1e-200));
+        averaging += energy(x, p, per_p);
         if (how.closing > 0)
-          response.outcome = select(close_gaps<R>(law, particles, first, count, how, state),
+          response.outcome = select(close_gaps<R>(pressed, particles, first, count, how, grains),
                                     R(double(Outcome::zero_pressure)), response.outcome);
-        const R own = Law::compression(state), p = Law::contact_pressure(state);
-        stored = law.stored_energy(state, own, law.pressure_at(own), max(x, zero) / max(p, R(1e-200)));
-        total.averaging += before - taken + left - volume_now() * stored;
-      } else {
-        update();
+        const R own = pressed.compression(grains);
+        stored = pressed.stored_in_compression(grains, own, pressed.pressure_at(own)) +
+                 pressed.stored_in_shear(grains, per_p);
+        averaging -= reference_volume * law.specific_volume(state) * stored;
+        total.averaging += averaging;
       }
-    } else {
-      update();
     }
     store_states<R>(particles, first, count, state);
 
@@ -381,12 +384,13 @@ TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles,
       using State = typename Law::template State<double>;
       State state = load_states<double, State>(particles, tile.begin + i, 1);
       const double gap = min(log(sparsest_filling / max(s.filling[i], 1e-12)), widest_gap_of_sparse);
-      const double x = -law.growth_in_gap() * gap;
-      if (!(x < Law::compression(state)) || law.pressure_at(x) < 0) continue;
+      const auto& pressed = contacts(law);
+      const double x = -pressed.growth_in_gap() * gap;
+      if (!(x < pressed.compression(contacts(state))) || pressed.pressure_at(x) < 0) continue;
       const double reference_volume = particles.reference_volume()[tile.begin + i];
       const auto energy = [&] { return reference_volume * law.specific_volume(state) * stored_energy(law, state); };
       lost += energy();
-      law.impose_compression(state, x, law.pressure_at(x));
+      pressed.impose_compression(contacts(state), x, pressed.pressure_at(x));
       lost -= energy();
       store_states<double>(particles, tile.begin + i, 1, state);
     }
