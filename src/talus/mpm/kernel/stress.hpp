@@ -160,10 +160,10 @@ TALUS_HD R take_mean_pressure(const Contacts& law, typename Contacts::template S
 
 /// Moves a state whose stress is that of the compression x through the step. Its own compression changes by as much as x, its
 /// volume by the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Leaves the end of x in
-/// it.
+/// it, and in `stored` the elastic energy of the stress [J/m3].
 template <Number R, class Law>
 TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template State<R>& state, const Motion<R>& motion,
-                                       const Integration& integration, R& x) {
+                                       const Integration& integration, R& x, R& stored) {
   const auto& pressed = contacts(law);
   auto& grains = contacts(state);
   const R zero(0.0), own = pressed.compression(grains), volume = law.specific_volume(state), start = x;
@@ -171,6 +171,7 @@ TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template St
   const R before = law.specific_volume(state);
   const Response<R> response = law.update(state, motion, integration);
   x = pressed.compression(grains);
+  stored = law.elastic_energy(state);
   const R end = own + (x - start), after = law.specific_volume(state);
   pressed.compression(grains) = end;
   const mask_t<R> has_gap = (own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
@@ -317,15 +318,14 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
         R x = take_mean_pressure(pressed, grains, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p,
                                  mixed);
         averaging -= energy(x, mean_p, mean_per_p);
-        response = update_under_mean(law, state, motion, how.integration, x);
-        const R p = pressed.contact_pressure(grains), per_p = max(x, zero) / max(p, R(1e-200));
-        averaging += energy(x, p, per_p);
+        response = update_under_mean(law, state, motion, how.integration, x, stored);
+        averaging += reference_volume * law.specific_volume(state) * stored;
         if (how.closing > 0)
           response.outcome = select(close_gaps<R>(pressed, particles, first, count, how, grains),
                                     R(double(Outcome::zero_pressure)), response.outcome);
-        const R own = pressed.compression(grains);
+        const R own = pressed.compression(grains), p = pressed.contact_pressure(grains);
         stored = pressed.stored_in_compression(grains, own, pressed.pressure_at(own)) +
-                 pressed.stored_in_shear(grains, per_p);
+                 pressed.stored_in_shear(grains, max(x, zero) / max(p, R(1e-200)));
         averaging -= reference_volume * law.specific_volume(state) * stored;
         total.averaging += averaging;
       }
