@@ -191,6 +191,7 @@ struct GranularRate {
     Simsand::turn(state.frictional, Q);
     state.collisional = rotate(Q, state.collisional);
   }
+
   double critical_friction() const { return frictional.critical_friction(); }
   FrictionRise friction_rise() const {
     if (contact_friction == ContactFriction::constant) return {};
