@@ -106,8 +106,8 @@ struct CohesiveFriction : Elasticity {
   TALUS_HD R elastic_energy(const State<R>& state) const {
     return energy_density(state.stress);
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     state.stress = rotate(Q, state.stress);
   }
   template <class R>
@@ -134,8 +134,12 @@ struct CohesiveFriction : Elasticity {
   TALUS_HD R compression_per_pressure(R) const {
     return R(1 / bulk_modulus());
   }
+  template <class R>
+  TALUS_HD static R energy_factor(const State<R>&) {
+    return R(1.0);
+  }
   template <Number R>
-  TALUS_HD R stored_in_compression(const State<R>&, R, R p) const {
+  TALUS_HD R stored_in_compression(R, R p) const {
     return elastic_work(R(0.0), p);
   }
   template <Number R>

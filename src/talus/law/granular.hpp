@@ -91,13 +91,13 @@ struct GranularOf {
   TALUS_HD R elastic_energy(const State<R>& state) const {
     return frictional.elastic_energy(state.frictional);
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  /// Without history the collisional stress is found anew in each step from its strain rate. The one before it counts in the work
+  /// of the step only, where a rotation is of second order: both tensors have nearly the same axes, and what turning adds to the
+  /// work, W S - S W : D, is zero where they have.
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     Simsand::turn(state.frictional, Q);
-    if constexpr (WithHistory)
-      MuI::turn(state.collisional, Q);
-    else
-      state.collisional = rotate(Q, state.collisional);
+    if constexpr (WithHistory) MuI::turn(state.collisional, Q);
   }
 
   double critical_friction() const { return frictional.critical_friction(); }

@@ -186,8 +186,8 @@ struct GranularRate {
   TALUS_HD R elastic_energy(const State<R>& state) const {
     return frictional.elastic_energy(state.frictional);
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     Simsand::turn(state.frictional, Q);
     state.collisional = rotate(Q, state.collisional);
   }

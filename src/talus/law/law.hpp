@@ -7,7 +7,7 @@
 ///   total_stress(state)       Cauchy stress [Pa], tension-positive
 ///   at_rest(initial)          the state under a given stress, or the reason why it is impossible
 ///   elastic_energy(state)     released by unloading [J per m3 of present volume]
-///   turn(state, Q)            rotates the tensors of the state
+///   turn(state, Q)            rotates the tensors of the state that a step goes on from; Q is a Tensor or a PlaneRotation
 ///   specific_volume(state)    volume relative to that of the grains, or of the point at the start
 ///   earth_pressure_at_rest()  horizontal over vertical stress without lateral strain (K0)
 ///   name, meaning, parameters(), options(), quantities()   tables for readers, checks, help and documents

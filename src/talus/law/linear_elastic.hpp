@@ -54,8 +54,8 @@ struct LinearElastic : Elasticity {
     const R density = energy_density(state.stress);
     return measure == StressMeasure::cauchy ? density : state.volume_ratio * density;
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     state.stress = rotate(Q, state.stress);
   }
   template <class R>

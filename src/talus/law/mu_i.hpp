@@ -193,12 +193,12 @@ struct MuI {
   TALUS_HD R elastic_energy(const State<R>&) const {
     return R(0.0);
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     turn(state.history, Q);
   }
-  template <class R>
-  TALUS_HD static void turn(History<R>& history, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(History<R>& history, const Rotation& Q) {
     history.stress = rotate(Q, history.stress);
     history.D = rotate(Q, history.D);
   }

@@ -57,10 +57,14 @@ struct NewtonianFluid {
   /// Work of the pressure since c = 0, K (e^c - 1 - c) for a unit of present volume.
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
-    return stored_in_compression(state, state.compression, R(0.0));
+    return stored_in_compression(state.compression, R(0.0));
+  }
+  template <class R>
+  TALUS_HD static R energy_factor(const State<R>&) {
+    return R(1.0);
   }
   template <Number R>
-  TALUS_HD R stored_in_compression(const State<R>&, R compression, R) const {
+  TALUS_HD R stored_in_compression(R compression, R) const {
     const R c = max(compression, R(0.0));
     return R(K) * (exp(c) - R(1.0) - c);
   }
@@ -68,8 +72,8 @@ struct NewtonianFluid {
   TALUS_HD R stored_in_shear(const State<R>&, R) const {
     return R(0.0);
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     state.stress = rotate(Q, state.stress);
   }
   template <Number R>

@@ -82,8 +82,9 @@ TALUS_HD constexpr auto& contacts(T& whole) {
 ///   pressure_at(x), compression_per_pressure(p)   [Pa] and [1/Pa]
 ///   open_pressure()               where grains are apart [Pa]: 0, or the tension that cohesion holds
 ///   growth_in_gap()               of the compression as a gap closes
-///   stored_in_compression(state, x, p)  elastic energy [J/m3] of a compression x, which causes p
-///   stored_in_shear(state, per_p)       that of the stress, while compression per pressure is `per_p`
+///   energy_factor(state)          elastic energy [J/m3] over the sum of the next two; the same for any compression
+///   stored_in_compression(x, p)   of a compression x, which causes p
+///   stored_in_shear(state, per_p) of the stress, while compression per pressure is `per_p`
 ///   impose_compression(state, x, p)     sets both; a gap takes its volume along
 ///   impose_volume(state, v)       sets the specific volume, gap included
 template <class Law>
@@ -93,7 +94,8 @@ concept AveragesPressure = requires(const Law& law, typename Law::template State
   { contacts(law).open_pressure() } -> std::convertible_to<double>;
   { contacts(law).growth_in_gap() } -> std::convertible_to<double>;
   { contacts(law).compression_per_pressure(contacts(law).pressure_at(0.0)) } -> std::convertible_to<double>;
-  { contacts(law).stored_in_compression(contacts(s), 0.0, 0.0) } -> std::convertible_to<double>;
+  { contacts(law).energy_factor(contacts(s)) } -> std::convertible_to<double>;
+  { contacts(law).stored_in_compression(0.0, 0.0) } -> std::convertible_to<double>;
   { contacts(law).stored_in_shear(contacts(s), 0.0) } -> std::convertible_to<double>;
   contacts(law).impose_compression(contacts(s), 0.0, 0.0);
   contacts(law).impose_volume(contacts(s), 1.0);
@@ -106,8 +108,9 @@ TALUS_HD auto stored_energy(const Law& law, const State& state) {
     const auto& pressed = contacts(law);
     const auto& own = contacts(state);
     const auto x = pressed.compression(own);
-    return pressed.stored_in_compression(own, x, pressed.pressure_at(x)) +
-           pressed.stored_in_shear(own, pressed.compression_per_pressure(pressed.contact_pressure(own)));
+    return pressed.energy_factor(own) *
+           (pressed.stored_in_compression(x, pressed.pressure_at(x)) +
+            pressed.stored_in_shear(own, pressed.compression_per_pressure(pressed.contact_pressure(own))));
   } else {
     return law.elastic_energy(state);
   }

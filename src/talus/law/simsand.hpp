@@ -190,17 +190,23 @@ struct Simsand {
   template <Number R>
   TALUS_HD R elastic_energy(const State<R>& state) const {
     const R p = pressure(state.stress);
-    return stored_in_compression(state, state.x, p) + stored_in_shear(state, compression_over(p, state.x));
+    return energy_factor(state) *
+           (stored_in_compression(state.x, p) + stored_in_shear(state, compression_over(p, state.x)));
+  }
+  /// 1/a
+  template <Number R>
+  TALUS_HD R energy_factor(const State<R>& state) const {
+    return (R(1.0) + state.skeleton_void_ratio) / room_for_growth(state.skeleton_void_ratio);
   }
   template <Number R>
-  TALUS_HD R stored_in_compression(const State<R>& state, R x, R p) const {
-    return per_growth(state) * R(1 / (exponent() + 1)) * p * max(x, R(0.0));
+  TALUS_HD R stored_in_compression(R x, R p) const {
+    return R(1 / (exponent() + 1)) * p * max(x, R(0.0));
   }
   /// The part due to shear becomes frictional heat when contacts are lost.
   template <Number R>
   TALUS_HD R stored_in_shear(const State<R>& state, R per_p) const {
     const SymTensor<R> s = deviator(state.stress);
-    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p * per_growth(state);
+    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p;
     return select(pressure(state.stress) > R(0.0), energy, R(0.0));
   }
   /// x/p of a stress [1/Pa].
@@ -208,14 +214,9 @@ struct Simsand {
   TALUS_HD static R compression_over(R p, R x) {
     return max(x, R(0.0)) / max(p, R(1e-200));
   }
-  /// 1/a
-  template <Number R>
-  TALUS_HD R per_growth(const State<R>& state) const {
-    return (R(1.0) + state.skeleton_void_ratio) / room_for_growth(state.skeleton_void_ratio);
-  }
 
-  template <class R>
-  TALUS_HD static void turn(State<R>& state, const Tensor<R>& Q) {
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     state.stress = rotate(Q, state.stress);
   }
 

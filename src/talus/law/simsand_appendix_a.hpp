@@ -46,8 +46,8 @@ struct SimsandAppendixA {
   TALUS_HD R elastic_energy(const State<R>&) const {
     return R(0.0);  // the scalars are not work-conjugate
   }
-  template <class R>
-  TALUS_HD static void turn(State<R>&, const Tensor<R>&) {}  // has only one shear plane
+  template <class R, class Rotation>
+  TALUS_HD static void turn(State<R>&, const Rotation&) {}  // has only one shear plane
   template <class R>
   TALUS_HD static R specific_volume(const State<R>& state) {
     return R(1.0) + state.void_ratio;

@@ -72,10 +72,9 @@ struct ReturnEquation {
   const Friction& friction;
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
   R kappa_n, p_n, x_n, ln_e;
-  R k_n, x_per_p_n;      ///< dp/dx and x/p at the old stress
-  R ss, se, ee;          ///< s_n:s_n, s_n:e, e:e
-  R sss, sse, see, eee;  ///< s_n:s_n.s_n, e:s_n.s_n, s_n:e.e, e:e.e
-  double m;              ///< p/p_at = x^m
+  R k_n, x_per_p_n;  ///< dp/dx and x/p at the old stress
+  R ss, se, ee;      ///< s_n:s_n, s_n:e, e:e
+  double m;          ///< p/p_at = x^m
 
   TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain,
                           const Trial<R>& t, const Friction& f)
@@ -96,11 +95,6 @@ struct ReturnEquation {
     ss = double_dot(s_n, s_n);
     se = double_dot(s_n, e_dev);
     ee = double_dot(e_dev, e_dev);
-    const SymTensor<R> s2 = square(s_n), e2 = square(e_dev);
-    sss = double_dot(s2, s_n);
-    sse = double_dot(s2, e_dev);
-    see = double_dot(e2, s_n);
-    eee = double_dot(e2, e_dev);
   }
 
   /// Evaluates the equations at x = exp(ln_x). The caller passes the logarithm, and divisions and square roots are few,
@@ -110,7 +104,7 @@ struct ReturnEquation {
     r.x = x;
     r.ln_x = ln_x;
     const R ln_P = R(m) * ln_x;
-    r.p = R(atmospheric_pressure) * exp(ln_P);
+    r.p = R(atmospheric_pressure) * (m == 2 ? x * x : exp(ln_P));
 
     // K/a = change of pressure over change of x; the mean of the tangents where the two are too close to subtract.
     const R step = x - x_n;
@@ -118,11 +112,10 @@ struct ReturnEquation {
     const R rise = select(far, r.p - p_n, R(0.5) * (k_n * x + R(m) * r.p)), run = select(far, step, x);
     r.G = R(law.shear_to_bulk()) * trial.a * rise / run;
 
-    // S = (9/2) tr s^3/q^3 of the trial stress.
+    // S = (27/2) det s/q^3 of the trial stress.
     find_trial(r);
-    const R g = R(2.0) * r.G;
-    const R trace3 = sss + g * (R(3.0) * (sse + g * see) + g * g * eee);
-    const R S = max(R(-1.0), min(R(1.0), R(4.5) * trace3 * (r.per_q * r.per_q * r.per_q)));
+    const R third = determinant(trial_deviator(r.G));
+    const R S = max(R(-1.0), min(R(1.0), R(13.5) * third * (r.per_q * r.per_q * r.per_q)));
 
     const R density = law.ln_density(ln_P, ln_e);
     r.lowering = R(law.derived.ln_e_ref) - ln_e - density;
@@ -139,6 +132,12 @@ struct ReturnEquation {
     return r;
   }
 
+  TALUS_HD SymTensor<R> trial_deviator(R G) const {
+    const R g = R(2.0) * G;
+    SymTensor<R> s;
+    for (int c = 0; c < 6; ++c) s[c] = multiply_add(g, e_dev[c], s_n[c]);
+    return s;
+  }
   /// q of the trial stress, a polynomial in G, and 1 over it.
   TALUS_HD void find_trial(ReturnPoint<R>& r) const {
     const R g = R(2.0) * r.G, q2 = R(1.5) * max(ss + g * (R(2.0) * se + g * ee), R(0.0));
@@ -204,11 +203,19 @@ struct ReturnEquation {
   }
 
   TALUS_HD SymTensor<R> stress(const ReturnPoint<R>& r) const {
-    const SymTensor<R> s_trial = s_n + (R(2.0) * r.G) * e_dev;
+    const SymTensor<R> s_trial = trial_deviator(r.G);
     const R back = r.p * r.eta() * inverse_root(R(1.5) * double_dot(s_trial, s_trial));
     return stress_from(select(r.dkappa > R(0.0), back, R(1.0)) * s_trial, r.p);
   }
 };
+
+/// ln(1 + step/x) for steps up to a quarter of x, to 6e-8: the Pade approximant with three powers of both.
+template <Number R>
+TALUS_HD R log_of_growth(R step, R x) {
+  const R above = (R(11.0) * step + R(60.0) * x) * step + R(60.0) * x * x;
+  const R below = ((R(3.0) * step + R(36.0) * x) * step + R(90.0) * x * x) * step + R(60.0) * x * x * x;
+  return step * above / below;
+}
 
 /// What of a point changes slowly with x.
 template <class R>
@@ -286,15 +293,14 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   R step = any(open) ? -r.residual / max(equation.slope(r), R(0.1)) : zero;
   for (int iteration = 0; iteration < 200 && any(open); ++iteration) {
     R target = r.x + step;
-    const M inside = (target > low) & (target < high), near = inside & (abs(step) < R(0.5) * r.x);
-    // A short step in ln x: ln(1 + d) = d (6 + d)/(6 + 4 d), nearly.
-    R ln_x = r.ln_x + step * (R(6.0) * r.x + step) / (r.x * (R(6.0) * r.x + R(4.0) * step));
+    const M inside = (target > low) & (target < high), near = inside & (abs(step) < R(0.25) * r.x);
+    R ln_x = r.ln_x + log_of_growth(step, r.x);
     if (!all(near | !open)) {
       const R middle = select(high < unbounded, R(0.5) * (low + high), R(2.0) * low);
       target = select(inside, target, select(low_known, middle, floor));
       ln_x = select(near, ln_x, log(target));
     }
-    const ReturnPoint<R> next = equation.at(exp(ln_x), ln_x);
+    const ReturnPoint<R> next = equation.at(target, ln_x);
     const M negative = next.residual < zero;
     const M gone = open & (target <= floor) & !negative;
     lost = lost | gone;

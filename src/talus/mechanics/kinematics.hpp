@@ -29,5 +29,11 @@ TALUS_HD Tensor<R> incremental_rotation(const Tensor<R>& L, double dt) {
            {f * (a * b + c), one - f * (aa + cc), f * (b * c - a)},
            {f * (a * c - b), f * (b * c + a), one - f * (aa + bb)}}};
 }
+/// The same where nothing turns but about z.
+template <class R>
+TALUS_HD PlaneRotation<R> incremental_plane_rotation(const Tensor<R>& L, double dt) {
+  const R c = R(0.25 * dt) * (L[1][0] - L[0][1]), cc = c * c, f = R(2.0) / (R(1.0) + cc);
+  return {R(1.0) - f * cc, f * c};
+}
 
 }  // namespace talus

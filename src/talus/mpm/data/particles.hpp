@@ -106,7 +106,8 @@ struct ParticlesView {
   TALUS_HD double* mass() const { return column(ParticleField::mass); }
   TALUS_HD double* reference_volume() const { return column(ParticleField::reference_volume); }
   TALUS_HD ParticleIds ids(int i) const { return std::bit_cast<ParticleIds>(column(ParticleField::ids)[i]); }
-  TALUS_HD double* state(int number) const { return column(ParticleField::state, number); }
+  TALUS_HD double* state(int number) const { return states()[number]; }
+  TALUS_HD double* const* states() const { return columns + layout.begin(ParticleField::state); }
   /// Component a of the variation of velocity along axis b around the particle: its moment or gradient, depending on
   /// the transfer.
   TALUS_HD double* affine(int a, int b) const { return column(ParticleField::velocity_moment, Dim * a + b); }
@@ -188,20 +189,25 @@ class Particles {
 template <Number R, class State, int Dim>
 TALUS_HD State load_states(const ParticlesView<Dim>& particles, int first, int count) {
   State state;
+  double* const* const from = particles.states();
   // One after the other without a loop, so that the compiler leaves out numbers that are not used.
   [&]<std::size_t... k>(std::index_sequence<k...>) {
     if (count >= width_of<R>)
-      ((numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first)), ...);
+      ((numbers_of<R>(state)[k] = load<R>(from[k] + first)), ...);
     else
-      ((numbers_of<R>(state)[k] = load<R>(particles.state(int(k)) + first, count)), ...);
+      ((numbers_of<R>(state)[k] = load<R>(from[k] + first, count)), ...);
   }
   (std::make_index_sequence<sizeof(State) / sizeof(R)>());
   return state;
 }
 template <Number R, class State, int Dim>
 TALUS_HD void store_states(const ParticlesView<Dim>& particles, int first, int count, const State& state) {
-  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
-    store(particles.state(int(k)) + first, numbers_of<R>(state)[k], count);
+  double* const* const to = particles.states();
+  constexpr std::size_t n = sizeof(State) / sizeof(R);
+  if (count >= width_of<R>)
+    for (std::size_t k = 0; k < n; ++k) store(to[k] + first, numbers_of<R>(state)[k]);
+  else
+    for (std::size_t k = 0; k < n; ++k) store(to[k] + first, numbers_of<R>(state)[k], count);
 }
 
 /// The state of one particle.

@@ -158,31 +158,6 @@ TALUS_HD R take_mean_pressure(const Contacts& law, typename Contacts::template S
   return select(mean_p > R(law.open_pressure()), mean_p * mean_per_p, R(law.compression(state)));
 }
 
-/// Moves a state whose stress is that of the compression x through the step. Its own compression changes by as much as x, its
-/// volume by the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Leaves the end of x in
-/// it, and in `stored` the elastic energy of the stress [J/m3].
-template <Number R, class Law>
-TALUS_HD Response<R> update_under_mean(const Law& law, typename Law::template State<R>& state, const Motion<R>& motion,
-                                       const Integration& integration, R& x, R& stored) {
-  const auto& pressed = contacts(law);
-  auto& grains = contacts(state);
-  const R zero(0.0), own = pressed.compression(grains), volume = law.specific_volume(state), start = x;
-  pressed.compression(grains) = x;
-  const R before = law.specific_volume(state);
-  const Response<R> response = law.update(state, motion, integration);
-  x = pressed.compression(grains);
-  stored = law.elastic_energy(state);
-  const R end = own + (x - start), after = law.specific_volume(state);
-  pressed.compression(grains) = end;
-  const mask_t<R> has_gap = (own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
-  if (any(has_gap)) {
-    auto open = grains;
-    pressed.impose_volume(open, volume * (after / before));
-    take_where<R>(has_gap, open, grains);
-  }
-  return response;
-}
-
 /// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that
 /// hold none.
 template <Number R>
@@ -248,6 +223,162 @@ TALUS_HD mask_t<R> close_gaps(const Contacts& law, const ParticlesView<Dim>& par
   return closes & !(left > zero) & !(p > zero);
 }
 
+/// A pack of particles on its way through a step.
+template <Number R, class Law>
+struct PackInStep {
+  int i, first, count;         ///< place in the tile, first particle, and how many of the lanes hold one
+  R reference_volume, volume;  ///< [m3]; after the step
+  typename Law::template State<R> state;
+  Motion<R> motion;
+  Response<R> response;
+  // Where the pressure is averaged, before the law's update:
+  R own, of_stress;         ///< compressions, of its own and of the stress
+  R v_of_own, v_of_stress;  ///< specific volume with either
+  R averaging;              ///< elastic energy that averaging has taken [J]
+};
+
+/// This many packs go through each part of the step before they go through the next one. The parts of a law of sand together have
+/// more instructions than the first cache of a processor holds; each of them alone does not. Other laws are shorter.
+template <Number R, class Law>
+inline constexpr int packs_at_once = width_of < R >> 1 && StiffensFromNothing<Law> ? 128 / width_of<R> : 1;
+
+/// Reads a pack, turns it by the spin, and gives it the strain of the step and the mean pressure of its cell.
+template <Number R, bool f_bar, class Law, int Dim>
+TALUS_HD void begin_step(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
+                         const StressUpdate& how, bool averages, double mixed, const ScratchView& s, int i,
+                         PackInStep<R, Law>& pack) {
+  const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
+  const R dt(how.dt);
+  pack.i = i;
+  pack.first = first;
+  pack.count = count;
+  auto state = load_states<R, typename Law::template State<R>>(particles, first, count);
+  R reference_volume = load<R>(particles.reference_volume() + first, count);
+  if constexpr (width_of < R >> 1)
+    for (int lane = count; lane < width_of<R>; ++lane) reference_volume.set(lane, 0);
+  const Tensor<R> L = load_gradient<R, Dim>(s, i);
+  SymTensor<R> rate = symmetric_part(L);
+  if constexpr (Dim == 2)
+    Law::turn(state, incremental_plane_rotation(L, how.dt));
+  else
+    Law::turn(state, incremental_rotation(L, how.dt));
+  if (f_bar || averages) rate = rate + SymTensor<R>::isotropic((load<R>(&s.mean_rate[i]) - trace(rate)) * R(1.0 / 3.0));
+  if constexpr (AveragesPressure<Law>) {
+    if (averages) {
+      const auto& pressed = contacts(law);
+      auto& grains = contacts(state);
+      const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
+      // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
+      const R factor = pressed.energy_factor(grains);
+      const R taken =
+          law.specific_volume(state) *
+          (pressed.stored_in_compression(pressed.compression(grains), load<R>(&s.p[i])) +
+           pressed.stored_in_shear(grains, pressed.compression_per_pressure(pressed.contact_pressure(grains))));
+      const R x = take_mean_pressure(pressed, grains, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p,
+                                     mean_per_p, mixed);
+      pack.own = pressed.compression(grains);
+      const R v = law.specific_volume(state);
+      const R given = v * (pressed.stored_in_compression(x, mean_p) + pressed.stored_in_shear(grains, mean_per_p));
+      pack.averaging = reference_volume * factor * (taken - given);
+      pressed.compression(grains) = x;
+      pack.of_stress = x;
+      pack.v_of_own = v;
+      pack.v_of_stress = law.specific_volume(state);
+    }
+  }
+  pack.reference_volume = reference_volume;
+  pack.motion = {dt * rate, rate, how.dt};
+  pack.state = state;
+}
+
+/// Gives the contacts of a pack their own compression again, which changes by as much as that of the stress has, and their
+/// volume the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Returns the elastic
+/// energy [J/m3].
+template <Number R, class Law, int Dim>
+TALUS_HD R return_to_own(const Law& law, const ParticlesView<Dim>& particles, const StressUpdate& how,
+                         PackInStep<R, Law>& pack) {
+  using talus::select;  // laws have another `select` in `detail`
+  const auto& pressed = contacts(law);
+  auto& grains = contacts(pack.state);
+  const R zero(0.0), x = pressed.compression(grains), end = pack.own + (x - pack.of_stress);
+  const R p = pressed.contact_pressure(grains), after = law.specific_volume(pack.state);
+  const R shear = pressed.stored_in_shear(grains, max(x, zero) / max(p, R(1e-200)));
+  R factor = pressed.energy_factor(grains), v_given = after;
+  const R left = factor * (pressed.stored_in_compression(x, p) + shear);
+  pressed.compression(grains) = end;
+  const mask_t<R> has_gap = (pack.own < zero) | (end < zero) | (x < zero);  // otherwise the law has given the volume
+  if (any(has_gap)) {
+    auto open = grains;
+    v_given = select(has_gap, pack.v_of_own * (after / pack.v_of_stress), after);
+    pressed.impose_volume(open, v_given);
+    take_where<R>(has_gap, open, grains);
+    factor = pressed.energy_factor(grains);
+  }
+  if (how.closing > 0)
+    pack.response.outcome = select(close_gaps<R>(pressed, particles, pack.first, pack.count, how, grains),
+                                   R(double(Outcome::zero_pressure)), pack.response.outcome);
+  const R own = pressed.compression(grains), v = law.specific_volume(pack.state);
+  const R stored = factor * (pressed.stored_in_compression(own, pressed.pressure_at(own)) + shear);
+  pack.volume = pack.reference_volume * v;
+  pack.averaging += pack.reference_volume * (v_given * left - v * stored);
+  return stored;
+}
+
+/// Stores the state of a pack and what it exerts on nodes, and adds it to the sums.
+template <Number R, class Law, int Dim>
+TALUS_HD void end_step(const Law& law, const ParticlesView<Dim>& particles, const CellFinder<Dim>& cells,
+                       const StressUpdate& how, bool averages, const ScratchView& s, PackInStep<R, Law>& pack,
+                       PackSums<R>& total) {
+  using talus::select;  // laws have another `select` in `detail`
+  const R zero(0.0), dt(how.dt);
+  const int i = pack.i;
+  R stored(0.0);  // J/m3
+  if (!averages) {
+    stored = law.elastic_energy(pack.state);
+    pack.volume = pack.reference_volume * law.specific_volume(pack.state);
+  }
+  if constexpr (AveragesPressure<Law>) {
+    if (averages) {
+      stored = return_to_own(law, particles, how, pack);
+      total.averaging += pack.averaging;
+    }
+  }
+  store_states<R>(particles, pack.first, pack.count, pack.state);
+
+  const Response<R>& response = pack.response;
+  const R volume = pack.volume, mass = load<R>(particles.mass() + pack.first, pack.count);
+  SymTensor<R> flux = volume * Law::total_stress(pack.state);
+  if constexpr (StiffensFromNothing<Law>) {
+    if (how.bulk_viscosity > 0) {
+      const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
+      const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
+      const R q = viscous_pressure(damping, trace(pack.motion.strain_rate), R(1.0 / 3.0) * trace(flux));
+      for (int c = 0; c < 3; ++c) flux[c] -= q;
+      R expansion(0.0);
+      for (int a = 0; a < 3; ++a) expansion += load<R>(&s.gradient[a][a][i]);
+      total.viscous_work += -(dt * q * expansion);
+    }
+  }
+  for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+  total.elastic += volume * stored;
+  // With averaging over cells the material has the mean rate and the nodes that of the particle: the difference of
+  // work is numerical dissipation.
+  total.internal_work += volume * response.work;
+  total.plastic_work += volume * response.plastic_work;
+  total.collisional_work += volume * response.collisional_work;
+  if constexpr (MayReturnWork<Law>)
+    total.returned_work +=
+        volume * dt *
+        max(zero, zero - collisional_dissipation(Law::collisional_stress(pack.state), pack.motion.strain_rate));
+  store(&s.stiffness[i], volume * response.stiffness);
+  if (any(response.viscosity > zero)) total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
+  const auto ones = [&](Outcome outcome) {
+    return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
+  };
+  total.n_separated += ones(Outcome::separated);
+  total.n_unconverged += ones(Outcome::unconverged);
+}
+
 }  // namespace detail
 
 /// Moves the states of a tile's particles through the step. Reads the row `gradient` of the scratch, writes `flux` and
@@ -257,12 +388,11 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
                                           const CellFinder<Dim>& cells, const StressUpdate& how, const ScratchView& s,
                                           TileSums& sums) {
   using namespace detail;
-  using State = typename Law::template State<R>;
   const int n = tile.size();
   const bool averages = !f_bar && how.average_pressure && AveragesPressure<Law>;
   if constexpr (AveragesPressure<Law>) {
     if (averages) {
-      for_each_pack<R>(law, particles, tile, [&](int i, const State& state, R volume) {
+      for_each_pack<R>(law, particles, tile, [&](int i, const auto& state, R volume) {
         const R x = contacts(law).compression(contacts(state));
         store(&s.share[i], share_of_mean(contacts(law), x));
         store(&s.p[i], contacts(law).pressure_at(x));
@@ -272,94 +402,19 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     }
   }
   if constexpr (f_bar) {
-    for_each_pack<R>(law, particles, tile, [&](int i, const State&, R volume) { store(&s.volume[i], volume); });
+    for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
     average_over_cells<R, false>(law, particles, tile, cells, s);
   }
-  const R zero(0.0), dt(how.dt);
   const double mixed = how.dt * how.closing < 1 ? how.dt * how.closing : 1;
   PackSums<R> total;
-  for (int i = 0; i < n; i += width_of<R>) {
-    const int first = tile.begin + i, count = n - i < width_of<R> ? n - i : width_of<R>;
-    State state = load_states<R, State>(particles, first, count);
-    R reference_volume = load<R>(particles.reference_volume() + first, count);
-    if constexpr (width_of < R >> 1)
-      for (int lane = count; lane < width_of<R>; ++lane) reference_volume.set(lane, 0);
-    const R mass = load<R>(particles.mass() + first, count);
-    const Tensor<R> L = load_gradient<R, Dim>(s, i);
-    const SymTensor<R> rate = symmetric_part(L);
-
-    Motion<R> motion{dt * rate, rate, how.dt};
-    Law::turn(state, incremental_rotation(L, how.dt));
-    const auto impose_mean_rate = [&] {
-      const R change = (load<R>(&s.mean_rate[i]) - trace(rate)) * R(1.0 / 3.0);
-      motion.strain_rate = rate + SymTensor<R>::isotropic(change);
-      motion.strain = dt * motion.strain_rate;
-    };
-    if constexpr (f_bar) impose_mean_rate();
-    Response<R> response;
-    R stored(0.0);  // J/m3
-    if (!averages) {
-      response = law.update(state, motion, how.integration);
-      stored = law.elastic_energy(state);
-    }
-    if constexpr (AveragesPressure<Law>) {
-      if (averages) {
-        impose_mean_rate();
-        const auto& pressed = contacts(law);
-        auto& grains = contacts(state);
-        const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
-        // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
-        const auto energy = [&](R x, R p, R per_p) {
-          return reference_volume * law.specific_volume(state) *
-                 (pressed.stored_in_compression(grains, x, p) + pressed.stored_in_shear(grains, per_p));
-        };
-        R averaging = energy(pressed.compression(grains), load<R>(&s.p[i]),
-                             pressed.compression_per_pressure(pressed.contact_pressure(grains)));
-        R x = take_mean_pressure(pressed, grains, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p, mean_per_p,
-                                 mixed);
-        averaging -= energy(x, mean_p, mean_per_p);
-        response = update_under_mean(law, state, motion, how.integration, x, stored);
-        averaging += reference_volume * law.specific_volume(state) * stored;
-        if (how.closing > 0)
-          response.outcome = select(close_gaps<R>(pressed, particles, first, count, how, grains),
-                                    R(double(Outcome::zero_pressure)), response.outcome);
-        const R own = pressed.compression(grains), p = pressed.contact_pressure(grains);
-        stored = pressed.stored_in_compression(grains, own, pressed.pressure_at(own)) +
-                 pressed.stored_in_shear(grains, max(x, zero) / max(p, R(1e-200)));
-        averaging -= reference_volume * law.specific_volume(state) * stored;
-        total.averaging += averaging;
-      }
-    }
-    store_states<R>(particles, first, count, state);
-
-    const R volume = reference_volume * law.specific_volume(state);
-    SymTensor<R> flux = volume * Law::total_stress(state);
-    if constexpr (StiffensFromNothing<Law>) {
-      if (how.bulk_viscosity > 0) {
-        const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
-        const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
-        const R q = viscous_pressure(damping, trace(motion.strain_rate), R(1.0 / 3.0) * trace(flux));
-        for (int c = 0; c < 3; ++c) flux[c] -= q;
-        total.viscous_work += -(dt * q * trace(rate));
-      }
-    }
-    for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
-    total.elastic += volume * stored;
-    // With averaging over cells the material has the mean rate and the nodes that of the particle: the difference of
-    // work is numerical dissipation.
-    total.internal_work += volume * response.work;
-    total.plastic_work += volume * response.plastic_work;
-    total.collisional_work += volume * response.collisional_work;
-    if constexpr (MayReturnWork<Law>)
-      total.returned_work +=
-          volume * dt * max(zero, zero - collisional_dissipation(Law::collisional_stress(state), motion.strain_rate));
-    store(&s.stiffness[i], volume * response.stiffness);
-    if (any(response.viscosity > zero)) total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
-    const auto ones = [&](Outcome outcome) {
-      return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
-    };
-    total.n_separated += ones(Outcome::separated);
-    total.n_unconverged += ones(Outcome::unconverged);
+  constexpr int width = width_of<R>, at_once = packs_at_once<R, Law>;
+  PackInStep<R, Law> packs[at_once];
+  for (int first = 0; first < n; first += at_once * width) {
+    int n_packs = 0;
+    for (int i = first; i < n && n_packs < at_once; i += width)
+      begin_step<R, f_bar>(law, particles, tile, how, averages, mixed, s, i, packs[n_packs++]);
+    for (int k = 0; k < n_packs; ++k) packs[k].response = law.update(packs[k].state, packs[k].motion, how.integration);
+    for (int k = 0; k < n_packs; ++k) end_step(law, particles, cells, how, averages, s, packs[k], total);
   }
   total.add_to(sums);
 }
