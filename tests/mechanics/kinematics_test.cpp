@@ -43,4 +43,11 @@ TEST(Rotation, LeavesInvariantsAlone) {
   EXPECT_GT(std::abs(turned.xx - stress.xx), 1);  // and it did turn
 }
 
+TEST(Rotation, AboutOneAxisIsThatOfTheTensor) {
+  const Tensor<double> L{{{1, -20, 0}, {4, 5, 0}, {0, 0, 6}}};
+  const SymTensor<double> stress{-300, -120, -100, 40, 20, -30};
+  const SymTensor<double> turned = rotate(incremental_plane_rotation(L, 0.1), stress);
+  for (int c = 0; c < 6; ++c) EXPECT_NEAR(turned[c], rotate(incremental_rotation(L, 0.1), stress)[c], 1e-12);
+}
+
 }  // namespace talus::kinematics_test

@@ -22,38 +22,18 @@ TALUS_HD SymTensor<R> symmetric_part(const Tensor<R>& a) {
       a[0][0], a[1][1], a[2][2], half * (a[0][1] + a[1][0]), half * (a[1][2] + a[2][1]), half * (a[2][0] + a[0][2])};
 }
 
-namespace detail {
-template <class R>
-struct Row {
-  R x, y, z;
-};
-}  // namespace detail
-
 /// Q a Q^T
 template <class R>
 TALUS_HD SymTensor<R> rotate(const Tensor<R>& Q, const SymTensor<R>& a) {
-  const auto product = [](const R& x0, const R& y0, const R& x1, const R& y1, const R& x2, const R& y2) {
-    return multiply_add(x2, y2, multiply_add(x1, y1, x0 * y0));
+  const R A[3][3] = {{a.xx, a.xy, a.zx}, {a.xy, a.yy, a.yz}, {a.zx, a.yz, a.zz}};
+  const auto product = [](const R* row, const R& x, const R& y, const R& z) {
+    return multiply_add(row[2], z, multiply_add(row[1], y, row[0] * x));
   };
-  const auto row = [&](int i) {
-    return detail::Row<R>{product(Q[i][0], a.xx, Q[i][1], a.xy, Q[i][2], a.zx),
-                          product(Q[i][0], a.xy, Q[i][1], a.yy, Q[i][2], a.yz),
-                          product(Q[i][0], a.zx, Q[i][1], a.yz, Q[i][2], a.zz)};
-  };
-  const auto entry = [&](const detail::Row<R>& Qa, int j) {
-    return product(Qa.x, Q[j][0], Qa.y, Q[j][1], Qa.z, Q[j][2]);
-  };
-  SymTensor<R> b;
-  const detail::Row<R> x = row(0);
-  b.xx = entry(x, 0);
-  b.xy = entry(x, 1);
-  const detail::Row<R> y = row(1);
-  b.yy = entry(y, 1);
-  b.yz = entry(y, 2);
-  const detail::Row<R> z = row(2);
-  b.zz = entry(z, 2);
-  b.zx = entry(z, 0);
-  return b;
+  R QA[3][3];
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) QA[i][j] = product(Q[i], A[0][j], A[1][j], A[2][j]);
+  const auto entry = [&](int i, int j) { return product(QA[i], Q[j][0], Q[j][1], Q[j][2]); };
+  return {entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(1, 2), entry(2, 0)};
 }
 
 /// Rotation about the z axis.
