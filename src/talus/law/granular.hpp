@@ -93,7 +93,7 @@ struct GranularOf {
   }
   /// Without history the collisional stress is found anew in each step from its strain rate. The one before it counts in the work
   /// of the step only, where a rotation is of second order: both tensors have nearly the same axes, and what turning adds to the
-  /// work, W S - S W : D, is zero where they have.
+  /// work, (W S - S W) : D, is zero where they have.
   template <class R, class Rotation>
   TALUS_HD static void turn(State<R>& state, const Rotation& Q) {
     Simsand::turn(state.frictional, Q);
