@@ -85,6 +85,49 @@ TALUS_HD void scatter(const ParticleWeights<Dim, Shape>& w, NodeNumbers<Node> va
   }
 }
 
+/// The same for two particles, one after the other: each node is loaded and stored once. Along the first axis the nodes of
+/// the second begin `ahead` nodes, at most one, behind those of the first. The bits are those of two calls.
+template <int ahead, int Dim, class Shape, class Node>
+TALUS_HD void scatter_two(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
+                          const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
+  using R = NodeNumbers<Node>;
+  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
+  constexpr int begin_first = ahead < 0 ? 1 : 0, begin_second = ahead > 0 ? 1 : 0;
+  constexpr int n_nodes = n + begin_first + begin_second;
+  nodes += first.first() - begin_first;
+  R N_first[n], N_second[n], row_first[n], row_second[n];
+  for (int i = 0; i < n; ++i) {
+    N_first[i] = R(first.N(0, i));
+    N_second[i] = R(second.N(0, i));
+    row_first[i] = R(first.N(1, i)) * of_first;
+    row_second[i] = R(second.N(1, i)) * of_second;
+  }
+  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+    const R z_first(Dim == 3 ? first.N(Dim - 1, k) : 1.0), z_second(Dim == 3 ? second.N(Dim - 1, k) : 1.0);
+    for (int j = 0; j < n; ++j) {
+      const R part_first = Dim == 3 ? z_first * row_first[j] : row_first[j];
+      const R part_second = Dim == 3 ? z_second * row_second[j] : row_second[j];
+      Node* at = nodes + edge * (j + edge * k);
+      R sum[n_nodes];
+      for (int i = 0; i < n_nodes; ++i) sum[i] = load_node(at[i]);
+      for (int i = 0; i < n; ++i) sum[i + begin_first] = multiply_add(N_first[i], part_first, sum[i + begin_first]);
+      for (int i = 0; i < n; ++i) sum[i + begin_second] = multiply_add(N_second[i], part_second, sum[i + begin_second]);
+      for (int i = 0; i < n_nodes; ++i) store_node(at[i], sum[i]);
+    }
+  }
+}
+/// Calls it if the second particle touches such nodes, else does nothing. Returns whether it did.
+template <int Dim, class Shape, class Node>
+TALUS_HD bool scatter_together(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
+                               const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
+  switch (second.first() - first.first()) {
+    case -1: scatter_two<-1>(first, of_first, second, of_second, nodes); return true;
+    case 0: scatter_two<0>(first, of_first, second, of_second, nodes); return true;
+    case 1: scatter_two<1>(first, of_first, second, of_second, nodes); return true;
+    default: return false;
+  }
+}
+
 /// Adds N_I value + sum over a of dN_I/dx_a flux[a] to every node; derivatives in units of 1/cell.
 template <int Dim, class Shape, NodeOfFour Node>
 TALUS_HD void scatter_gradient(const ParticleWeights<Dim, Shape>& w, const Quad (&flux)[Dim], Quad value, Node* nodes) {
