@@ -143,18 +143,24 @@ struct CohesiveFriction : Elasticity {
     return elastic_work(R(0.0), p);
   }
   template <Number R>
-  TALUS_HD R stored_in_shear(const State<R>& state, R) const {
-    return energy_density(deviator(state.stress));
+  TALUS_HD static R squared_shear(const State<R>& state) {
+    const SymTensor<R> s = deviator(state.stress);
+    return double_dot(s, s);
+  }
+  template <Number R>
+  TALUS_HD R stored_in_shear(R s2, R) const {
+    return R(0.25 / shear_modulus()) * s2;
   }
   /// The distance to the apex scales the deviator. The volume changes with the compression, because an opening that others
   /// take over takes its volume along. Otherwise the volumes of particles that mix would depart from those of their material.
   template <Number R>
-  TALUS_HD void impose_compression(State<R>& state, R w, R p) const {
+  TALUS_HD R impose_compression(State<R>& state, R w, R p) const {
     const R old = pressure(state.stress) - R(apex);
     const R scale = select(old > R(0.0), (p - R(apex)) / max(old, R(1e-300)), R(0.0));
     state.stress = stress_from(scale * deviator(state.stress), p);
     state.volume_ratio = state.volume_ratio * exp(state.compression - w);
     state.compression = w;
+    return scale;
   }
   template <Number R>
   TALUS_HD static void impose_volume(State<R>& state, R v) {

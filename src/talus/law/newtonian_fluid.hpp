@@ -69,7 +69,11 @@ struct NewtonianFluid {
     return R(K) * (exp(c) - R(1.0) - c);
   }
   template <Number R>
-  TALUS_HD R stored_in_shear(const State<R>&, R) const {
+  TALUS_HD static R squared_shear(const State<R>&) {
+    return R(0.0);
+  }
+  template <Number R>
+  TALUS_HD static R stored_in_shear(R, R) {
     return R(0.0);
   }
   template <class R, class Rotation>
@@ -96,9 +100,10 @@ struct NewtonianFluid {
     return R(1 / K);
   }
   template <Number R>
-  TALUS_HD static void impose_compression(State<R>& state, R c, R p) {
+  TALUS_HD static R impose_compression(State<R>& state, R c, R p) {
     state.stress = stress_from(deviator(state.stress), p);
     state.compression = c;
+    return R(1.0);
   }
   template <Number R>
   TALUS_HD static void impose_volume(State<R>&, R) {}  // it is that of the compression

@@ -84,8 +84,9 @@ TALUS_HD constexpr auto& contacts(T& whole) {
 ///   growth_in_gap()               of the compression as a gap closes
 ///   energy_factor(state)          elastic energy [J/m3] over the sum of the next two; the same for any compression
 ///   stored_in_compression(x, p)   of a compression x, which causes p
-///   stored_in_shear(state, per_p) of the stress, while compression per pressure is `per_p`
-///   impose_compression(state, x, p)     sets both; a gap takes its volume along
+///   squared_shear(state)          s:s of the stress deviator s, or 0 if it stores nothing [Pa2]
+///   stored_in_shear(s2, per_p)    of this square, while compression per pressure is `per_p`
+///   impose_compression(state, x, p)     sets both, scales s as p asks for and returns by how much; a gap takes its volume along
 ///   impose_volume(state, v)       sets the specific volume, gap included
 template <class Law>
 concept AveragesPressure = requires(const Law& law, typename Law::template State<double>& s) {
@@ -96,8 +97,9 @@ concept AveragesPressure = requires(const Law& law, typename Law::template State
   { contacts(law).compression_per_pressure(contacts(law).pressure_at(0.0)) } -> std::convertible_to<double>;
   { contacts(law).energy_factor(contacts(s)) } -> std::convertible_to<double>;
   { contacts(law).stored_in_compression(0.0, 0.0) } -> std::convertible_to<double>;
-  { contacts(law).stored_in_shear(contacts(s), 0.0) } -> std::convertible_to<double>;
-  contacts(law).impose_compression(contacts(s), 0.0, 0.0);
+  { contacts(law).squared_shear(contacts(s)) } -> std::convertible_to<double>;
+  { contacts(law).stored_in_shear(0.0, 0.0) } -> std::convertible_to<double>;
+  { contacts(law).impose_compression(contacts(s), 0.0, 0.0) } -> std::convertible_to<double>;
   contacts(law).impose_volume(contacts(s), 1.0);
 };
 
@@ -110,7 +112,8 @@ TALUS_HD auto stored_energy(const Law& law, const State& state) {
     const auto x = pressed.compression(own);
     return pressed.energy_factor(own) *
            (pressed.stored_in_compression(x, pressed.pressure_at(x)) +
-            pressed.stored_in_shear(own, pressed.compression_per_pressure(pressed.contact_pressure(own))));
+            pressed.stored_in_shear(pressed.squared_shear(own),
+                                    pressed.compression_per_pressure(pressed.contact_pressure(own))));
   } else {
     return law.elastic_energy(state);
   }

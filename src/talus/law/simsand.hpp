@@ -191,7 +191,7 @@ struct Simsand {
   TALUS_HD R elastic_energy(const State<R>& state) const {
     const R p = pressure(state.stress);
     return energy_factor(state) *
-           (stored_in_compression(state.x, p) + stored_in_shear(state, compression_over(p, state.x)));
+           (stored_in_compression(state.x, p) + stored_in_shear(squared_shear(state), compression_over(p, state.x)));
   }
   /// 1/a
   template <Number R>
@@ -204,10 +204,13 @@ struct Simsand {
   }
   /// The part due to shear becomes frictional heat when contacts are lost.
   template <Number R>
-  TALUS_HD R stored_in_shear(const State<R>& state, R per_p) const {
+  TALUS_HD R stored_in_shear(R s2, R per_p) const {
+    return R(0.25 / (shear_to_bulk() * exponent())) * s2 * per_p;
+  }
+  template <Number R>
+  TALUS_HD static R squared_shear(const State<R>& state) {
     const SymTensor<R> s = deviator(state.stress);
-    const R energy = R(0.25 / (shear_to_bulk() * exponent())) * double_dot(s, s) * per_p;
-    return select(pressure(state.stress) > R(0.0), energy, R(0.0));
+    return select(pressure(state.stress) > R(0.0), double_dot(s, s), R(0.0));
   }
   /// x/p of a stress [1/Pa].
   template <Number R>
@@ -241,11 +244,12 @@ struct Simsand {
   TALUS_HD static double open_pressure() { return 0; }
   /// The stress ratio s/p stays.
   template <Number R>
-  TALUS_HD static void impose_compression(State<R>& state, R x, R p) {
+  TALUS_HD static R impose_compression(State<R>& state, R x, R p) {
     const R old = pressure(state.stress);
     const R scale = select(old > R(0.0), p / max(old, R(1e-300)), R(0.0));
     state.stress = stress_from(scale * deviator(state.stress), p);
     state.x = x;
+    return scale;
   }
   template <Number R>
   TALUS_HD void impose_volume(State<R>& state, R v) const {

@@ -147,17 +147,6 @@ TALUS_HD void take_where(mask_t<R> mask, State& other, State& state) {
     numbers_of<R>(state)[k] = select(mask, numbers_of<R>(other)[k], numbers_of<R>(state)[k]);
 }
 
-/// Gives contacts the mean pressure of their cell in their stress, and moves their own compression towards what the cell's mean
-/// share says, by `mixed` of the way. Where the whole cell is open their own compression stays the one of their stress. Returns
-/// the compression of the stress.
-template <Number R, class Contacts>
-TALUS_HD R take_mean_pressure(const Contacts& law, typename Contacts::template State<R>& state, R share, R mean_share,
-                              R mean_p, R mean_per_p, double mixed) {
-  using talus::select;  // laws have another `select` in `detail`
-  law.impose_compression(state, compression_of_mean(law, share + R(mixed) * (mean_share - share)), mean_p);
-  return select(mean_p > R(law.open_pressure()), mean_p * mean_per_p, R(law.compression(state)));
-}
-
 /// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that
 /// hold none.
 template <Number R>
@@ -242,11 +231,23 @@ struct PackInStep {
 template <Number R, class Law>
 inline constexpr int packs_at_once = width_of < R >> 1 && StiffensFromNothing<Law> ? 128 / width_of<R> : 1;
 
+/// What all packs of a tile share in a step.
+template <class Law, int Dim>
+struct TileInStep {
+  const Law& law;
+  const ParticlesView<Dim>& particles;
+  const RowRange& tile;
+  const CellFinder<Dim>& cells;
+  const StressUpdate& how;
+  const ScratchView& s;
+  bool averages;  ///< the pressure of contacts over cells
+};
+
 /// Reads a pack, turns it by the spin, and gives it the strain of the step and the mean pressure of its cell.
 template <Number R, bool f_bar, class Law, int Dim>
-TALUS_HD void begin_step(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
-                         const StressUpdate& how, bool averages, double mixed, const ScratchView& s, int i,
-                         PackInStep<R, Law>& pack) {
+TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, int i, PackInStep<R, Law>& pack) {
+  using talus::select;  // laws have another `select` in `detail`
+  const auto& [law, particles, tile, cells, how, s, averages] = step;
   const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
   const R dt(how.dt);
   pack.i = i;
@@ -269,16 +270,19 @@ TALUS_HD void begin_step(const Law& law, const ParticlesView<Dim>& particles, co
       auto& grains = contacts(state);
       const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
       // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
-      const R factor = pressed.energy_factor(grains);
-      const R taken =
-          law.specific_volume(state) *
-          (pressed.stored_in_compression(pressed.compression(grains), load<R>(&s.p[i])) +
-           pressed.stored_in_shear(grains, pressed.compression_per_pressure(pressed.contact_pressure(grains))));
-      const R x = take_mean_pressure(pressed, grains, load<R>(&s.share[i]), load<R>(&s.mean_share[i]), mean_p,
-                                     mean_per_p, mixed);
-      pack.own = pressed.compression(grains);
+      const R factor = pressed.energy_factor(grains), s2 = pressed.squared_shear(grains);
+      const R taken = law.specific_volume(state) *
+                      (pressed.stored_in_compression(pressed.compression(grains), load<R>(&s.p[i])) +
+                       pressed.stored_in_shear(s2, pressed.compression_per_pressure(pressed.contact_pressure(grains))));
+      // Its own compression moves towards what the cell's mean share says; that of the stress is the mean's, unless the whole
+      // cell is open.
+      const R share = load<R>(&s.share[i]), mixed(how.dt * how.closing < 1 ? how.dt * how.closing : 1);
+      pack.own = compression_of_mean(pressed, share + mixed * (load<R>(&s.mean_share[i]) - share));
+      const R scale = pressed.impose_compression(grains, pack.own, mean_p);
+      const R x = select(mean_p > R(pressed.open_pressure()), mean_p * mean_per_p, pack.own);
       const R v = law.specific_volume(state);
-      const R given = v * (pressed.stored_in_compression(x, mean_p) + pressed.stored_in_shear(grains, mean_per_p));
+      const R given =
+          v * (pressed.stored_in_compression(x, mean_p) + pressed.stored_in_shear(scale * scale * s2, mean_per_p));
       pack.averaging = reference_volume * factor * (taken - given);
       pressed.compression(grains) = x;
       pack.of_stress = x;
@@ -295,14 +299,14 @@ TALUS_HD void begin_step(const Law& law, const ParticlesView<Dim>& particles, co
 /// volume the strain: so gaps in a cell under pressure close with it, and expansion opens them again. Returns the elastic
 /// energy [J/m3].
 template <Number R, class Law, int Dim>
-TALUS_HD R return_to_own(const Law& law, const ParticlesView<Dim>& particles, const StressUpdate& how,
-                         PackInStep<R, Law>& pack) {
+TALUS_HD R return_to_own(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pack) {
   using talus::select;  // laws have another `select` in `detail`
+  const Law& law = step.law;
   const auto& pressed = contacts(law);
   auto& grains = contacts(pack.state);
   const R zero(0.0), x = pressed.compression(grains), end = pack.own + (x - pack.of_stress);
   const R p = pressed.contact_pressure(grains), after = law.specific_volume(pack.state);
-  const R shear = pressed.stored_in_shear(grains, max(x, zero) / max(p, R(1e-200)));
+  const R shear = pressed.stored_in_shear(pressed.squared_shear(grains), max(x, zero) / max(p, R(1e-200)));
   R factor = pressed.energy_factor(grains), v_given = after;
   const R left = factor * (pressed.stored_in_compression(x, p) + shear);
   pressed.compression(grains) = end;
@@ -314,8 +318,8 @@ TALUS_HD R return_to_own(const Law& law, const ParticlesView<Dim>& particles, co
     take_where<R>(has_gap, open, grains);
     factor = pressed.energy_factor(grains);
   }
-  if (how.closing > 0)
-    pack.response.outcome = select(close_gaps<R>(pressed, particles, pack.first, pack.count, how, grains),
+  if (step.how.closing > 0)
+    pack.response.outcome = select(close_gaps<R>(pressed, step.particles, pack.first, pack.count, step.how, grains),
                                    R(double(Outcome::zero_pressure)), pack.response.outcome);
   const R own = pressed.compression(grains), v = law.specific_volume(pack.state);
   const R stored = factor * (pressed.stored_in_compression(own, pressed.pressure_at(own)) + shear);
@@ -326,10 +330,9 @@ TALUS_HD R return_to_own(const Law& law, const ParticlesView<Dim>& particles, co
 
 /// Stores the state of a pack and what it exerts on nodes, and adds it to the sums.
 template <Number R, class Law, int Dim>
-TALUS_HD void end_step(const Law& law, const ParticlesView<Dim>& particles, const CellFinder<Dim>& cells,
-                       const StressUpdate& how, bool averages, const ScratchView& s, PackInStep<R, Law>& pack,
-                       PackSums<R>& total) {
+TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pack, PackSums<R>& total) {
   using talus::select;  // laws have another `select` in `detail`
+  const auto& [law, particles, tile, cells, how, s, averages] = step;
   const R zero(0.0), dt(how.dt);
   const int i = pack.i;
   R stored(0.0);  // J/m3
@@ -339,7 +342,7 @@ TALUS_HD void end_step(const Law& law, const ParticlesView<Dim>& particles, cons
   }
   if constexpr (AveragesPressure<Law>) {
     if (averages) {
-      stored = return_to_own(law, particles, how, pack);
+      stored = return_to_own(step, pack);
       total.averaging += pack.averaging;
     }
   }
@@ -405,16 +408,15 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
     average_over_cells<R, false>(law, particles, tile, cells, s);
   }
-  const double mixed = how.dt * how.closing < 1 ? how.dt * how.closing : 1;
+  const TileInStep<Law, Dim> step{law, particles, tile, cells, how, s, averages};
   PackSums<R> total;
   constexpr int width = width_of<R>, at_once = packs_at_once<R, Law>;
   PackInStep<R, Law> packs[at_once];
   for (int first = 0; first < n; first += at_once * width) {
     int n_packs = 0;
-    for (int i = first; i < n && n_packs < at_once; i += width)
-      begin_step<R, f_bar>(law, particles, tile, how, averages, mixed, s, i, packs[n_packs++]);
+    for (int i = first; i < n && n_packs < at_once; i += width) begin_step<R, f_bar>(step, i, packs[n_packs++]);
     for (int k = 0; k < n_packs; ++k) packs[k].response = law.update(packs[k].state, packs[k].motion, how.integration);
-    for (int k = 0; k < n_packs; ++k) end_step(law, particles, cells, how, averages, s, packs[k], total);
+    for (int k = 0; k < n_packs; ++k) end_step(step, packs[k], total);
   }
   total.add_to(sums);
 }
