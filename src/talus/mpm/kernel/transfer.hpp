@@ -85,8 +85,8 @@ TALUS_HD void scatter(const ParticleWeights<Dim, Shape>& w, NodeNumbers<Node> va
   }
 }
 
-/// The same for two particles, one after the other: each node is loaded and stored once. Along the first axis the nodes of
-/// the second begin `ahead` nodes, at most one, behind those of the first. The bits are those of two calls.
+/// The same for two particles, one after the other: each node is loaded and stored once. The second touches the nodes of
+/// the first, or those `ahead` = 1 or -1 nodes further along the first axis. The bits are those of two calls.
 template <int ahead, int Dim, class Shape, class Node>
 TALUS_HD void scatter_two(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
                           const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
@@ -116,7 +116,7 @@ TALUS_HD void scatter_two(const ParticleWeights<Dim, Shape>& first, NodeNumbers<
     }
   }
 }
-/// Calls it if the second particle touches such nodes, else does nothing. Returns whether it did.
+/// The same if the second particle touches such nodes, else nothing. Returns whether it does.
 template <int Dim, class Shape, class Node>
 TALUS_HD bool scatter_together(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
                                const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
