@@ -108,6 +108,24 @@ TEST_F(Results, ARunOnTerrainHasTheNumbersOfItsMaps) {
   EXPECT_EQ(sweep.rows, (Rows{{2, 3, 10, 9, 8, 7, 100, 5, 6, 4, 3, 30}, {4, 5, 10, 9, 8, 7, 101, 5, 6, 4, 3, 45}}));
 }
 
+TEST_F(Results, ARunHasTheCellAndTheStepsThatItWasComputedWith) {
+  auto figures = figure_of({{"tau"}, {{"2,3", {7}}, {"4,5", {8}}}, true});
+  const auto with_record = [](const fs::path& folder, const std::string& text) {
+    const std::string failure = run(folder, text);
+    std::ofstream(folder / "record.json")
+        << R"({"case": {"domain.cell": {"value": "2 mm", "default": false},)"
+        << (text == "2,3" ? R"("numerics.cfl": {"value": "0.9", "default": true},)" : "")
+        << R"("numerics.tau": {"value": "5 ms", "default": true}}})";
+    return failure;
+  };
+  for (const CurveOfReading& curve : curves_of_cases(figures)) run_cases(curve, folder_, with_record);
+  const ResultTable& sweep = *figures[0].runs[0][0];
+  EXPECT_EQ(sweep.names, (std::vector<std::string>{"time", "height", "cell", "cfl", "tau"}));
+  EXPECT_EQ(sweep.rows[0], (std::vector<double>{2, 3, 2e-3, 0.9, 7})) << "the sweep's tau";
+  EXPECT_TRUE(std::isnan(sweep.rows[1][3])) << "a run with a fixed step";
+  EXPECT_EQ(sweep.rows[1][4], 8);
+}
+
 TEST_F(Results, ElementTestsRunInEveryReadingThatHasThem) {
   std::ofstream(folder_ / "test.toml") << test_file;
   std::ofstream(folder_ / "measured.csv") << "test,percent,kPa\nT1,0,0\n";

@@ -42,9 +42,10 @@ ResultTable empty_sweep(const ResultTable& history, const std::vector<std::strin
   return table;
 }
 
-/// Adds the numbers of the maps of a run on terrain, the same in every row.
-void add_map_numbers(const fs::path& folder, ResultTable& results) {
-  for (const auto& [name, number] : map_numbers(folder)) {
+/// Adds the numbers of a run's record, the same in every row, except those that a sweep has under the same name.
+void add_numbers_of_record(const fs::path& folder, const std::vector<std::string>& of_sweep, ResultTable& results) {
+  for (const auto& [name, number] : numbers_of_record(folder)) {
+    if (std::ranges::find(of_sweep, name) != of_sweep.end()) continue;
     results.names.push_back(name);
     results.units.emplace_back("1");
     results.meanings.emplace_back();
@@ -96,7 +97,7 @@ void run_cases(const CurveOfReading& which, const fs::path& figures_folder, cons
     const std::string failure = run(folder, runs.runs[k].text);
     ResultTable one =
         curve.surface_at ? read_surface(profile_file(folder), *curve.surface_at) : read_results(folder / "history.csv");
-    if (!curve.surface_at) add_map_numbers(folder, one);
+    if (!curve.surface_at) add_numbers_of_record(folder, runs.columns, one);
     one.failure = failure;
     if (!runs.is_sweep) {
       figure->runs[reading][number] = std::move(one);

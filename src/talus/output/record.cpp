@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <limits>
+
 #include "talus/base/file.hpp"
 #include "talus/base/machine.hpp"
+#include "talus/base/units.hpp"
 
 namespace talus {
 
@@ -35,6 +38,13 @@ Json places_in_json(const std::vector<OutflowOnMap>& places) {
                    {"to_east_north_metre", {p.high[0], p.high[1]}},
                    {"length_metre", p.length()}});
   return all;
+}
+
+/// A number of the case in SI; NaN where the case has none.
+double setting(const Json& of_case, const char* key, std::string_view unit) {
+  if (!of_case.contains(key)) return std::numeric_limits<double>::quiet_NaN();
+  const std::string text = of_case[key].at("value");
+  return unit == "1" ? std::stod(text) : std::get<double>(to_si(text, unit));
 }
 
 Json run_in_json(const RunSummary& run) {
@@ -220,20 +230,28 @@ bool is_finished(const std::filesystem::path& folder, const std::string& case_te
          record["run"].value("outcome", "") == "finished" && contents_of(folder / "case.toml") == case_text;
 }
 
-std::vector<std::pair<std::string, double>> map_numbers(const std::filesystem::path& folder) {
+std::vector<std::pair<std::string, double>> numbers_of_record(const std::filesystem::path& folder) {
   if (!std::filesystem::exists(folder / "record.json")) return {};
-  const auto record = nlohmann::json::parse(contents_of(folder / "record.json"), nullptr, false);
-  if (!record.is_object() || !record.contains("maps")) return {};
-  const auto& maps = record["maps"];
-  return {{"released", maps.at("released_cubic_metre")},
-          {"deposited", maps.at("deposited_cubic_metre")},
-          {"area", maps.at("area_square_metre")},
-          {"drop", maps.at("drop_metre")},
-          {"length", maps.at("length_metre")},
-          {"farthest_east", maps.at("farthest_east_north_metre").at(0)},
-          {"farthest_north", maps.at("farthest_east_north_metre").at(1)},
-          {"peak_thickness", maps.at("peak_thickness_metre")},
-          {"peak_speed", maps.at("peak_speed_metre_per_second")}};
+  const auto record = Json::parse(contents_of(folder / "record.json"), nullptr, false);
+  if (!record.is_object()) return {};
+  std::vector<std::pair<std::string, double>> numbers;
+  if (record.contains("case"))
+    numbers = {{"cell", setting(record["case"], "domain.cell", "m")},
+               {"cfl", setting(record["case"], "numerics.cfl", "1")},
+               {"tau", setting(record["case"], "numerics.tau", "s")}};
+  if (record.contains("maps")) {
+    const Json& maps = record["maps"];
+    numbers.insert(numbers.end(), {{"released", maps.at("released_cubic_metre")},
+                                   {"deposited", maps.at("deposited_cubic_metre")},
+                                   {"area", maps.at("area_square_metre")},
+                                   {"drop", maps.at("drop_metre")},
+                                   {"length", maps.at("length_metre")},
+                                   {"farthest_east", maps.at("farthest_east_north_metre").at(0)},
+                                   {"farthest_north", maps.at("farthest_east_north_metre").at(1)},
+                                   {"peak_thickness", maps.at("peak_thickness_metre")},
+                                   {"peak_speed", maps.at("peak_speed_metre_per_second")}});
+  }
+  return numbers;
 }
 
 }  // namespace talus

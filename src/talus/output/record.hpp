@@ -16,8 +16,9 @@ void write_record(const std::filesystem::path& file, const RunSummary& run);
 /// it.
 bool is_finished(const std::filesystem::path& folder, const std::string& case_text);
 
-/// Numbers of the maps of a run, from record.json in its folder, by name: released and deposited [m3], area [m2], drop, length,
-/// farthest_east, farthest_north, peak_thickness [m], peak_speed [m/s]. Empty if the run has no maps or no record.
-std::vector<std::pair<std::string, double>> map_numbers(const std::filesystem::path& folder);
+/// Numbers of a run from record.json in its folder, by name: cell [m], cfl, tau [s], NaN where the case has none; on terrain
+/// also released and deposited [m3], area [m2], drop, length, farthest_east, farthest_north, peak_thickness [m], peak_speed
+/// [m/s]. Empty without a record.
+std::vector<std::pair<std::string, double>> numbers_of_record(const std::filesystem::path& folder);
 
 }  // namespace talus
