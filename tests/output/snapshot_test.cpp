@@ -50,6 +50,32 @@ assert f["talus/time"][0] == 0.25 and f["talus/step"][0] == 7
   EXPECT_EQ(std::system(command.c_str()), 0);
 }
 
+TEST_F(Snapshots, ManyParticlesAreReadBackByTalusAndByOthers) {
+  constexpr int n = 65536 + 70;  // a chunk, and part of another
+  Observation seen{
+      0, 0, {{"position", "m", "place", 3, {}}, {"p", "Pa", "pressure", 1, {}}, {"id", "1", "number", 1, {}}}};
+  for (int i = 0; i < n; ++i) {
+    for (int a = 0; a < 3; ++a) seen.fields[0].values.push_back(0.1 * i + a);
+    seen.fields[1].values.push_back(0.1 * i);
+    seen.fields[2].values.push_back(4e9 + i);
+  }
+  write_snapshot(folder_ / "a.hdf", seen, {"p", "id"});
+  const Observation read = read_snapshot(folder_ / "a.hdf");
+  EXPECT_EQ(read.fields[0].values, seen.fields[0].values);
+  EXPECT_EQ(read.find("id")->values, seen.fields[2].values);
+  for (int i = 0; i < n; ++i) ASSERT_EQ(read.find("p")->values[std::size_t(i)], float(0.1 * i));
+  std::ofstream(folder_ / "read.py") << R"(
+import h5py, numpy as np, sys
+v = h5py.File(sys.argv[1])["VTKHDF"]
+i = np.arange(65606)
+assert (v["Points"][:] == (0.1 * i)[:, None] + np.arange(3)).all()
+assert (v["PointData/p"][:] == (0.1 * i).astype(np.float32)).all() and (v["PointData/id"][:] == 4000000000 + i).all()
+assert v["PointData/p"].compression == "gzip" and v["PointData/p"].id.get_storage_size() < 4 * len(i)
+)";
+  const std::string command = "/usr/bin/python3 " + (folder_ / "read.py").string() + " " + (folder_ / "a.hdf").string();
+  EXPECT_EQ(std::system(command.c_str()), 0);
+}
+
 TEST_F(Snapshots, WhatWasWrittenIsReadBack) {
   Observation seen = two_particles();
   seen.fields[3].unit = "";  // a text without letters

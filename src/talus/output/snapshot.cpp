@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <zlib.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
@@ -19,17 +21,21 @@ using hdf5::check, hdf5::Handle, hdf5::read_text_attribute, hdf5::write_text_att
 namespace {
 
 constexpr hsize_t rows_of_chunk = 65536;
+constexpr int fastest = 1;  // level of zlib
+
+/// Whether so many rows are stored in chunks, and packed.
+bool in_chunks(std::size_t n_rows) { return n_rows > 1000; }
 
 /// Makes a dataset without values.
 Handle make_dataset(hid_t group, const char* name, hid_t stored, std::size_t n, int components) {
   const hsize_t dims[2] = {n, hsize_t(components)};
   const Handle space(H5Screate_simple(components > 1 ? 2 : 1, dims, nullptr), H5Sclose, "make a space");
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, "make properties");
-  if (dims[0] > 1000) {
+  if (in_chunks(n)) {
     const hsize_t chunk[2] = {std::min(dims[0], rows_of_chunk), hsize_t(components)};
     H5Pset_chunk(properties, components > 1 ? 2 : 1, chunk);
     H5Pset_shuffle(properties);
-    H5Pset_deflate(properties, 1);
+    H5Pset_deflate(properties, fastest);
   }
   H5Pset_fill_time(properties, H5D_FILL_TIME_NEVER);  // all values are written
   H5Pset_obj_track_times(properties, false);          // the same numbers make the same file
@@ -56,6 +62,50 @@ void write_numbers(hid_t group, const char* name, hid_t stored, hid_t in_memory,
     const Handle piece(H5Screate_simple(1, &size, nullptr), H5Sclose, "make a space");
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, &first, nullptr, &size, nullptr), "select a piece");
     check(H5Dwrite(set, in_memory, piece, space, H5P_DEFAULT, values.data()), "write a dataset");
+  }
+}
+
+/// A chunk as the filters of `make_dataset` leave it. Numbers of particles hardly repeat. To look for what does, as HDF5
+/// would, takes zlib 1.8 times as long as to look for runs of equal bytes, and makes 4 % less.
+std::vector<Bytef> packed(const std::vector<Bytef>& chunk, std::size_t size_of_number) {
+  const std::size_t n = chunk.size() / size_of_number;
+  std::vector<Bytef> shuffled(chunk.size());
+  for (std::size_t byte = 0; byte < size_of_number; ++byte)
+    for (std::size_t i = 0; i < n; ++i) shuffled[byte * n + i] = chunk[i * size_of_number + byte];
+  z_stream stream{};
+  constexpr int window_bits = 15, memory_level = 8;  // those of zlib's compress
+  if (deflateInit2(&stream, fastest, Z_DEFLATED, window_bits, memory_level, Z_RLE) != Z_OK) throw std::bad_alloc();
+  std::vector<Bytef> bytes(deflateBound(&stream, shuffled.size()));
+  stream.next_in = shuffled.data();
+  stream.avail_in = uInt(shuffled.size());
+  stream.next_out = bytes.data();
+  stream.avail_out = uInt(bytes.size());
+  deflate(&stream, Z_FINISH);  // ends, as there is room for all of it
+  bytes.resize(stream.total_out);
+  deflateEnd(&stream);
+  return bytes;
+}
+
+/// Writes a field into its dataset.
+void write_field(hid_t set, const Field& field) {
+  const std::size_t columns = std::size_t(field.components), n_rows = field.values.size() / columns;
+  if (!in_chunks(n_rows)) {
+    if (n_rows > 0)
+      check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.values.data()), "write a dataset");
+    return;
+  }
+  const Handle stored(H5Dget_type(set), H5Tclose, "find a type");
+  const std::size_t size = H5Tget_size(stored), rows_in_each = std::min(n_rows, std::size_t(rows_of_chunk));
+  for (std::size_t first = 0; first < n_rows; first += rows_in_each) {
+    const std::size_t n = columns * std::min(rows_in_each, n_rows - first);
+    std::vector<Bytef> chunk(n * sizeof(double));
+    std::memcpy(chunk.data(), field.values.data() + columns * first, chunk.size());
+    check(H5Tconvert(H5T_NATIVE_DOUBLE, stored, n, chunk.data(), nullptr, H5P_DEFAULT), "convert numbers");
+    chunk.resize(n * size);
+    chunk.resize(columns * rows_in_each * size);  // the last chunk is as long as the others
+    const std::vector<Bytef> bytes = packed(chunk, size);
+    const hsize_t offset[2] = {first, 0};
+    check(H5Dwrite_chunk(set, H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()), "write a dataset");
   }
 }
 
@@ -110,8 +160,7 @@ std::string file_of(const Observation& seen, const std::vector<std::string>& nam
   for_each_dataset(seen, names, [&](const char* group, const std::string& name, hid_t, const Field& field) {
     const Handle in(H5Gopen2(file, group, H5P_DEFAULT), H5Gclose, "find a group");
     const Handle set(H5Dopen2(in, name.c_str(), H5P_DEFAULT), H5Dclose, "find a dataset");
-    if (!field.values.empty())
-      check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, field.values.data()), "write a dataset");
+    write_field(set, field);
   });
   check(H5Fflush(file, H5F_SCOPE_GLOBAL), "flush the file");
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
