@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# group_by_suite.sh PROGRAM LIST LEFT_OUT: writes the LIST of a program's tests for ctest, up to eight of a suite in one
+# group_by_suite.sh PROGRAM LIST [LEFT_OUT]: writes the LIST of a program's tests for ctest, up to eight of a suite in one
 # process, because a process takes a tenth of a second to begin, a quarter under sanitizers. Tests whose names match a
 # pattern (grep -E) of the file LEFT_OUT are not in it.
 set -euo pipefail
-patterns=$(grep -v '^#' "$3" || true)
+patterns=$(grep -v '^#' "${3-/dev/null}" || true)
 "$1" --gtest_list_tests | awk '/^[^ ]/ {suite = $1} /^ / {print suite $1}' | grep -vE "${patterns:-^$}" |
   awk -F. -v program="$1" '
     function write_group() {

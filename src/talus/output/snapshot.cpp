@@ -67,7 +67,7 @@ void write_numbers(hid_t group, const char* name, hid_t stored, hid_t in_memory,
 
 /// A chunk as the filters of `make_dataset` leave it. Numbers of particles hardly repeat. To look for what does, as HDF5
 /// would, takes zlib 1.8 times as long as to look for runs of equal bytes, and makes 4 % less.
-std::vector<Bytef> packed(const std::vector<Bytef>& chunk, std::size_t size_of_number) {
+std::vector<Bytef> packed_chunk(const std::vector<Bytef>& chunk, std::size_t size_of_number) {
   const std::size_t n = chunk.size() / size_of_number;
   std::vector<Bytef> shuffled(chunk.size());
   for (std::size_t byte = 0; byte < size_of_number; ++byte)
@@ -103,7 +103,7 @@ void write_field(hid_t set, const Field& field) {
     check(H5Tconvert(H5T_NATIVE_DOUBLE, stored, n, chunk.data(), nullptr, H5P_DEFAULT), "convert numbers");
     chunk.resize(n * size);
     chunk.resize(columns * rows_in_each * size);  // the last chunk is as long as the others
-    const std::vector<Bytef> bytes = packed(chunk, size);
+    const std::vector<Bytef> bytes = packed_chunk(chunk, size);
     const hsize_t offset[2] = {first, 0};
     check(H5Dwrite_chunk(set, H5P_DEFAULT, 0, offset, bytes.size(), bytes.data()), "write a dataset");
   }
