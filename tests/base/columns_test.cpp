@@ -4,6 +4,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <new>
+
 namespace talus::columns_test {
 
 std::vector<double> column(const Columns& table, int c) { return {table.column(c), table.column(c) + table.size()}; }
@@ -52,7 +55,7 @@ TEST(Columns, FewerRowsMayBeTakenThanThereAre) {
   EXPECT_EQ(column(table, 0), (std::vector<double>{13, 11}));
 }
 
-TEST(Columns, ColumnsPermutedOneAfterTheOtherExchangeTheirMemory) {
+TEST(Columns, ColumnsPermutedOneAfterTheOtherUseTheSameSpace) {
   Columns table(2);
   table.resize(3);
   for (int c = 0; c < 2; ++c)
@@ -63,6 +66,30 @@ TEST(Columns, ColumnsPermutedOneAfterTheOtherExchangeTheirMemory) {
   EXPECT_EQ(column(table, 1), (std::vector<double>{12, 10, 11}));
   EXPECT_EQ(table.pointers()[0], table.column(0));
   EXPECT_EQ(table.pointers()[1], table.column(1));
+}
+
+TEST(Columns, EveryOneOfManyBeginsOnALineOfTheCacheAndKeepsItsValuesAsTheTableGrowsAndShrinks) {
+  Columns table(21);
+  const auto value = [](int c, int i) { return 1000.0 * c + i; };
+  table.resize(9);
+  for (int c = 0; c < 21; ++c)
+    for (int i = 0; i < 9; ++i) table.column(c)[i] = value(c, i);
+  for (const int n : {1000, 300, 9}) {
+    table.resize(n);
+    for (int c = 0; c < 21; ++c) {
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(table.column(c)) % 64, 0u) << c;
+      for (int i = 0; i < n; ++i) ASSERT_EQ(table.column(c)[i], i < 9 ? value(c, i) : 0) << c << ", " << i;
+    }
+  }
+}
+
+TEST(LargeMemory, BeginsWithALineOfTheCacheOrWithALargePage) {
+  const auto begins_with = [](std::size_t bytes) {
+    return reinterpret_cast<std::uintptr_t>(large_memory(bytes).get());
+  };
+  EXPECT_EQ(begins_with(100) % 64, 0u);
+  EXPECT_EQ(begins_with(3 << 20) % (2 << 20), 0u);
+  EXPECT_THROW(large_memory(std::size_t(1) << 62), std::bad_alloc);
 }
 
 }  // namespace talus::columns_test

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <memory>
-#include <new>
 #include <unordered_map>
 #include <vector>
 
+#include "talus/base/large_memory.hpp"
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/data/tile.hpp"
 
@@ -137,8 +136,7 @@ class Room {
     constexpr std::size_t line = 64;
     bytes_ = (bytes + bytes / 32 + line - 1) / line * line;
     memory_.reset();
-    memory_.reset(std::aligned_alloc(line, bytes_));
-    if (!memory_) throw std::bad_alloc();
+    memory_ = large_memory(bytes_);
   }
   /// The place of values a number of bytes behind the beginning.
   template <class Value>
@@ -148,10 +146,7 @@ class Room {
   std::size_t bytes() const { return bytes_; }
 
  private:
-  struct Free {
-    void operator()(void* p) const { std::free(p); }
-  };
-  std::unique_ptr<void, Free> memory_;
+  std::unique_ptr<void, FreeMemory> memory_;
   std::size_t bytes_ = 0;
 };
 
