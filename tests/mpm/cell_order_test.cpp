@@ -74,10 +74,10 @@ TEST(CellOrder, OccupiedTilesAreThoseOfAllBodiesInOrderEachOnce) {
   EXPECT_EQ(tiles.find({1, 0}), 2);
 }
 
-TEST(CellOrder, ParticlesAreSortedByTileThenByLineThenByCellAndWithinOneTheyKeepTheirOrder) {
-  // Tile (0, 0): the line up to y = 1/2 holds 4, the next one 1, the one from 3/2 on 3; tile (1, 0): 0 and 2 in one cell of a
-  // line.
-  auto bodies = bodies_at({{{4.5, 0.5}, {1.5, 0.5}, {4.2, 0.9}, {0.5, 1.5}, {1.1, 0.1}}, {{5.5, 2.5}}});
+TEST(CellOrder, ParticlesAreSortedByTileThenByLineThenBySlotAndWithinOneTheyKeepTheirOrder) {
+  // Tile (0, 0): the line up to y = 1/2 holds 4, the next one 1, the one from 3/2 on 3; tile (1, 0): 0 and 2 in one slot of a
+  // line, from x = 9/2 on.
+  auto bodies = bodies_at({{{4.5, 0.5}, {1.5, 0.5}, {4.6, 0.9}, {0.5, 1.5}, {1.1, 0.1}}, {{5.5, 2.5}}});
   for (auto& body : bodies)
     for (int i = 0; i < body.particles.size(); ++i) body.particles.mass()[i] = 10 + body.particles.id(i);
   const Domain<2> domain = unit_cells<2>(8);
@@ -116,7 +116,7 @@ TEST(CellOrder, WorkersMakeTheOrderOfAStableSort) {
   const auto key = [&](int i) {
     const Vec<2>& x = places[std::size_t(i)];
     const Index<2> tile{tile_of(cell_of(x[0])), tile_of(cell_of(x[1]))};
-    return std::array{tiles.find(tile), cell_of(x[1] + 0.5), cell_of(x[0])};
+    return std::array{tiles.find(tile), cell_of(x[1] + 0.5), cell_of(x[0] + 0.5)};
   };
   std::stable_sort(expected.begin(), expected.end(), [&](int i, int j) { return key(i) < key(j); });
   for (const int n_workers : {1, 2, 3, 7}) {

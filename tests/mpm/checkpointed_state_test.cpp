@@ -20,7 +20,7 @@ struct Used {
   StepTally tally;
   Carried carried;
 
-  Used() : small(floor(), {{9.5, 1}, {1.5, 1.5}, {1.25, 1.5}}) { arrange(small.model); }
+  Used() : small(floor(), {{9.5, 1}, {1.5, 1.5}, {1.75, 1.5}}) { arrange(small.model); }
 
   static Domain<2> floor() {
     Domain<2> domain = unit_cells<2>(16);
@@ -49,7 +49,7 @@ TEST(CheckpointedState, IsEveryColumnOfEveryBodyTheTilesAndTheLedger) {
   std::vector<double> ids;
   for (const double number : saved.at("body 0: ids 0")) ids.push_back(std::bit_cast<ParticleIds>(number).id);
   EXPECT_EQ(ids, (std::vector<double>{1, 2, 0})) << "in the order they lie in";
-  EXPECT_EQ(saved.at("body 0: position 0"), (std::vector<double>{1.5, 1.25, 9.5}));
+  EXPECT_EQ(saved.at("body 0: position 0"), (std::vector<double>{1.5, 1.75, 9.5}));
   EXPECT_TRUE(saved.at("closed contacts").empty());
   const int n_columns = run.small.particles().layout().n_columns();
   EXPECT_EQ(int(saved.size()), 5 + 1 + n_columns);

@@ -97,22 +97,6 @@ inline void from_fours(EightDoubles& a, EightDoubles& b, EightDoubles& c, EightD
   c = __builtin_shufflevector(ab_behind, cd_behind, 0, 1, 2, 3, 8, 9, 10, 11);
   d = __builtin_shufflevector(ab_behind, cd_behind, 4, 5, 6, 7, 12, 13, 14, 15);
 }
-template <int two>
-EightDoubles four_times(EightDoubles x, EightDoubles fourth) {
-  constexpr int a = 2 * two, b = a + 1;
-  return __builtin_shufflevector(x, fourth, a, a, a, 8 + a, b, b, b, 8 + b);
-}
-inline EightDoubles repeat_four(const double* four) {
-  return _mm512_maskz_broadcast_f64x4(all_eight, _mm256_load_pd(four));
-}
-inline EightDoubles four_twice(const double* two) {
-  const EightDoubles x = _mm512_maskz_broadcast_f64x2(all_eight, _mm_load_pd(two));
-  return __builtin_shufflevector(x, x, 0, 0, 0, 0, 1, 1, 1, 1);
-}
-inline void move_on(EightDoubles& a, EightDoubles& b, const double* four) {
-  a = __builtin_shufflevector(a, b, 4, 5, 6, 7, 8, 9, 10, 11);
-  b = __builtin_shufflevector(b, repeat_four(four), 4, 5, 6, 7, 8, 9, 10, 11);
-}
 inline unsigned bits_of_masks(EightMasks m) { return m.bits; }
 
 }  // namespace talus

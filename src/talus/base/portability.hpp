@@ -165,25 +165,13 @@ using PackDoubles = Two<EightDoubles>;
 using EightDoubles = Two<FourDoubles>;
 using PackDoubles = EightDoubles;
 using EightIndices = EightLanes;
-/// Four numbers twice; each of two numbers four times.
-TALUS_HD inline EightDoubles repeat_four(const double* four) {
-  FourDoubles x;
-  read(four, x);
-  return {x, x};
-}
-TALUS_HD inline EightDoubles four_twice(const double* two) {
-  EightDoubles x;
-  broadcast(two[0], x.low);
-  broadcast(two[1], x.high);
-  return x;
-}
-/// Leaves out the first four of sixteen numbers and takes four more behind them.
-TALUS_HD inline void move_on(EightDoubles& a, EightDoubles& b, const double* four) {
-  a = {a.high, b.low};
-  b.low = b.high;
-  read(four, b.high);
-}
 #endif
+/// Asks for a line of memory that is needed soon, at any address.
+TALUS_HD inline void fetch_ahead(const double* column) {
+#if !defined(__CUDACC__)
+  __builtin_prefetch(column);
+#endif
+}
 /// Whether eight numbers are one register.
 inline constexpr bool eight_in_a_register = lanes_in<PackDoubles> > lanes_in<EightDoubles>;
 /// Numbers of the widest pack of any build: rows that are read pack by pack are as much longer.

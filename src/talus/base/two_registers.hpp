@@ -186,13 +186,6 @@ TALUS_HD void from_fours(Two<R>& a, Two<R>& b, Two<R>& c, Two<R>& d) {
   Two<R>* const to[4] = {&a, &b, &c, &d};
   for (int i = 0; i < 32; ++i) set_number(*to[i % 4], i / 4, from[i / 8][i % 8]);
 }
-/// Lane 2 two of x three times and of `fourth` once, then the next lane.
-template <int two, class R>
-TALUS_HD Two<R> four_times(Two<R> x, Two<R> fourth) {
-  Two<R> y{};
-  for (int i = 0; i < 8; ++i) set_number(y, i, (i % 4 < 3 ? x : fourth)[2 * two + i / 4]);
-  return y;
-}
 template <class M>
 TALUS_HD unsigned bits_of_masks(Two<M> m) {
   unsigned bits = 0;

@@ -171,13 +171,12 @@ inline void reorder(Columns& columns, const std::vector<int>& order, Backend& ba
   columns.resize(int(order.size()));
 }
 
-/// Lines run along the first axis and are as wide as a cell, but have nodes in their middle: those of quadratic splines that
-/// particles of a line touch are the same across it (kernel/lines.hpp). A tile has so many cells of lines.
+/// Slots are as wide as a cell, but have a node in their middle: quadratic splines touch the same nodes from anywhere in one
+/// (kernel/runs.hpp), and the same rows of nodes from a line of them (kernel/lines.hpp). A tile has so many, the outer ones halves.
 template <int Dim>
-inline constexpr int n_slots = power(tile_edge + 1, Dim - 1) * tile_edge;
+inline constexpr int n_slots = power(tile_edge + 1, Dim);
 
-/// The order of rows by tiles and, in each, by lines and by cells along them; rows of one cell of a line stay in their order.
-/// `slots`: of every row, its cell of a line, numbered over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all
+/// The order of rows by tiles and, in each, by slots; rows of one slot stay in their order. `slots`: of every row, numbered over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all
 /// workers, each a stretch of them; then every tile is put in order for itself.
 template <int Dim>
 std::vector<int> order_of_rows(const RowOrder& rows, const std::vector<std::uint32_t>& slots,
@@ -217,8 +216,8 @@ std::vector<int> order_of_rows(const RowOrder& rows, const std::vector<std::uint
   return order;
 }
 
-/// Sorts the particles of all bodies stably by the given tiles, in each by lines and by cells along them, and sets the
-/// bodies' `tiles`. Particles of one line and cell stay in the order that `rows` gives, so the result depends on nothing but
+/// Sorts the particles of all bodies stably by the given tiles and in each by slots, the first axis fastest, and sets the
+/// bodies' `tiles`. Particles of one slot stay in the order that `rows` gives, so the result depends on nothing but
 /// their places; those of rows that are left out are removed. Returns the cells of each tile that hold particles.
 template <int Dim, class Bodies>
 std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOrder>& rows, const Domain<Dim>& domain,
@@ -248,10 +247,10 @@ std::vector<CellRange<Dim>> sort_by_cell(Bodies& bodies, const std::vector<RowOr
           cells.low[a] = std::min(cells.low[a], cell[a]);
           cells.high[a] = std::max(cells.high[a], cell[a]);
         }
-        int line = 0;
-        for (int a = Dim - 1; a > 0; --a)
-          line = (tile_edge + 1) * line + std::clamp(cell_of(in_cells[a] - tile_edge * place[a] + 0.5), 0, tile_edge);
-        slots[std::size_t(i)] = std::uint32_t(t) * n_slots<Dim> + std::uint32_t(tile_edge * line + cell[0]);
+        int slot = 0;
+        for (int a = Dim - 1; a >= 0; --a)
+          slot = (tile_edge + 1) * slot + std::clamp(cell_of(in_cells[a] - tile_edge * place[a] + 0.5), 0, tile_edge);
+        slots[std::size_t(i)] = std::uint32_t(t) * n_slots<Dim> + std::uint32_t(slot);
       }
     });
     bodies[b].tiles.resize(n_tiles);

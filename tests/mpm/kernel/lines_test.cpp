@@ -5,95 +5,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <random>
 
-#include "mpm/by_hand.hpp"
-#include "talus/backend/backend.hpp"
-#include "talus/mpm/cell_order.hpp"
-#include "talus/mpm/kernel/force.hpp"
-#include "talus/mpm/kernel/mass_and_momentum.hpp"
+#include "mpm/kernel/random_tile.hpp"
 
 namespace talus::lines_test {
-
-/// Particles anywhere in the tile at the origin and up to 0.4 cells beside it, in the order of lines, some of them moved on
-/// since; random numbers at its nodes and in its particles.
-template <int Dim, class Shape>
-struct RandomTile {
-  using Layout = TileLayout<Dim, Shape>;
-  static constexpr double h = 0.3;
-
-  Domain<Dim> domain = unit_cells<Dim>(8);
-  Shape shape;
-  std::vector<Body<Dim>> bodies;
-  std::vector<Tile<Dim>> tiles;
-  std::vector<MassVelocity> velocity;
-  std::vector<Acceleration> acceleration;
-  Scratch scratch;
-  ScratchView s;
-  std::mt19937_64 random{1};
-
-  double number(double low = -1, double high = 1) { return std::uniform_real_distribution<>(low, high)(random); }
-  Quad numbers() {
-    Quad q(0.0);
-    for (int k = 0; k < 4; ++k) q.set(k, number());
-    return q;
-  }
-
-  RandomTile(int n, double moved, const Shape& sh, bool axisymmetric = false) : shape(sh) {
-    domain.h = h;
-    domain.axisymmetric = axisymmetric;
-    std::vector<Vec<Dim>> places(std::size_t(n), Vec<Dim>{});
-    for (auto& x : places)
-      for (int a = 0; a < Dim; ++a) x[a] = h * number(0, 4);
-    bodies.push_back({"", 1, LinearElastic{1, 0}, particles_at<Dim>(places), {}});
-    const auto backend = make_serial();
-    sort_by_cell(bodies, all_rows(bodies, *backend), domain, occupied_tiles(bodies, domain, *backend), *backend);
-    auto& p = bodies[0].particles;
-    for (int i = 0; i < n; ++i) {
-      for (int a = 0; a < Dim; ++a) {
-        p.position(a)[i] += h * moved * number();
-        p.velocity(a)[i] = number();
-      }
-      p.mass()[i] = number(1, 2);
-    }
-    Index<Dim> own{};
-    std::vector<CellRange<Dim>> cells(1);
-    cells[0].low.fill(0);
-    cells[0].high.fill(tile_edge - 1);
-    tiles = tiles_around<Dim, Shape>({own}, cells, Index<Dim>{}, *backend);
-    tiles[0].neighbours[1] = -1;  // beyond it there is nothing
-    for (std::size_t i = 0; i < tiles.size() * Layout::n_nodes; ++i) {
-      velocity.push_back(node_of<MassVelocity>(numbers()));
-      acceleration.push_back(node_of<Acceleration>(numbers()));
-    }
-    s = scratch.view(n);
-    for (int i = 0; i < n; ++i) {
-      for (double* row : s.flux) row[i] = number();
-      s.stiffness[i] = number();
-    }
-  }
-  TilePoints<Dim, Shape> points() {
-    return {bodies[0].particles.view(), {0, bodies[0].particles.size()}, Index<Dim>{}, shape};
-  }
-};
 
 template <class Kind>
 class Lines : public testing::Test {};
 using Kinds = testing::Types<Of<2, Quadratic>, Of<3, Quadratic>, Of<3, UgimpOf<2>>>;
 TYPED_TEST_SUITE(Lines, Kinds);
-
-/// Calls f(tile) for tiles full of particles and with few of them, in order and moved on.
-template <class Kind, class F>
-void for_tiles(F f) {
-  constexpr int Dim = Kind::dim;
-  using Shape = typename Kind::shape;
-  for (const int n : {1, 7, 130})
-    for (const double moved : {0.0, 0.1, 0.4}) {
-      RandomTile<Dim, Shape> tile(n, moved, Shape());
-      SCOPED_TRACE(testing::Message() << n << " particles, moved by " << moved);
-      f(tile);
-    }
-}
 
 TYPED_TEST(Lines, GradientsHaveTheBitsOfSingleParticles) {
   constexpr int Dim = TypeParam::dim;
@@ -176,7 +96,7 @@ TYPED_TEST(Lines, VelocitiesOfTheGridAtParticlesHaveTheBitsOfSingleOnesAndNothin
     for (int i = 0; i < points.size(); ++i) {
       const auto w = weights_of(points, tile.domain, i, 1);
       const Quad v = interpolate(ParticleWeights<Dim, Shape>{w, 0}, window);
-      for (int a = 0; a < Dim; ++a) EXPECT_EQ(one.view()[std::size_t(a)][i], v[a]) << i;
+      for (int a = 0; a < Dim; ++a) EXPECT_NEAR(one.view()[std::size_t(a)][i], v[a], 2e-15) << i;
     }
     for (int a = 0; a < Dim; ++a) EXPECT_EQ(one.view()[std::size_t(a)][points.size()], rubbish);
   });
@@ -223,32 +143,7 @@ TYPED_TEST(Lines, AccelerationsAndTheVelocityBeforeMoveParticlesAsNewVelocitiesD
   });
 }
 
-template <class Node, int n>
-void expect_same(const Node (&found)[n], const Node (&expected)[n]) {
-  for (int i = 0; i < n; ++i)
-    for (int k = 0; k < 4; ++k) EXPECT_EQ(load_node(found[i])[k], load_node(expected[i])[k]) << i << ", number " << k;
-}
-
-TYPED_TEST(Lines, MassMomentumAndForcesAtNodesHaveTheBitsOfSingleParticles) {
-  constexpr int Dim = TypeParam::dim;
-  using Shape = typename TypeParam::shape;
-  constexpr int n = TileLayout<Dim, Shape>::n_window;
-  for_tiles<TypeParam>([](auto& tile) {
-    // They are added to what is there.
-    MassMomentum momentum[n], of_lines[n];
-    for (int i = 0; i < n; ++i) momentum[i] = of_lines[i] = node_of<MassMomentum>(tile.numbers());
-    add_mass_and_momentum(tile.points(), tile.domain, momentum);
-    add_mass_and_momentum_in_lines(tile.points(), tile.domain, of_lines);
-    expect_same(of_lines, momentum);
-    ForceStiffness forces[n], forces_of_lines[n];
-    for (int i = 0; i < n; ++i) forces[i] = forces_of_lines[i] = node_of<ForceStiffness>(tile.numbers());
-    add_forces<false>(tile.points(), tile.domain, tile.s, forces);
-    add_forces_in_lines<false>(tile.points(), tile.domain, tile.s, forces_of_lines);
-    expect_same(forces_of_lines, forces);
-  });
-}
-
-TEST(LinesAroundAnAxis, HoopRatesAndForcesHaveTheBitsOfSingleParticles) {
+TEST(LinesAroundAnAxis, HoopRatesHaveTheBitsOfSingleParticles) {
   RandomTile<2, Quadratic> tile(50, 0.1, Quadratic(), true);
   constexpr int n = TileLayout<2, Quadratic>::n_window;
   MassVelocity window[n];
@@ -260,10 +155,6 @@ TEST(LinesAroundAnAxis, HoopRatesAndForcesHaveTheBitsOfSingleParticles) {
   std::fill_n(tile.s.gradient[2][2], 64, rubbish);
   find_gradients(tile.points(), tile.domain, velocity, tile.s);
   for (int i = 0; i < 64; ++i) EXPECT_EQ(tile.s.gradient[2][2][i], rates[std::size_t(i)]) << i;
-  ForceStiffness expected[n] = {}, found[n] = {};
-  add_forces<true>(tile.points(), tile.domain, tile.s, expected);
-  add_forces_in_lines<true>(tile.points(), tile.domain, tile.s, found);
-  expect_same(found, expected);
 }
 
 }  // namespace talus::lines_test

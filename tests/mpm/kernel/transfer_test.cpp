@@ -59,36 +59,6 @@ TYPED_TEST(Transfers, LinearFieldsAreInterpolatedExactlyWithTheirGradient) {
   }
 }
 
-TYPED_TEST(Transfers, TwoAtOnceAddToNodesWhatOneAfterTheOtherAdds) {
-  constexpr int Dim = TypeParam::dim;
-  using Shape = typename TypeParam::shape;
-  Vec<Dim> x, y;
-  for (int a = 0; a < Dim; ++a) x[a] = y[a] = 1.3 + 0.1 * a;
-  const Quad of_first(1 / 3.0), of_second(std::sqrt(2.0));
-  const WeightsAt<Dim, Shape> first(x);
-  for (double ahead : {-1.0, 0.0, 1.0}) {
-    y[0] = x[0] + ahead;
-    const WeightsAt<Dim, Shape> second(y);
-    WindowOf<Dim, Shape, MassMomentum> in_turn(node_of<MassMomentum>(Quad(0.1))), at_once(in_turn);
-    scatter(first.weights(), of_first, in_turn.data());
-    scatter(second.weights(), of_second, in_turn.data());
-    EXPECT_TRUE(scatter_together(first.weights(), of_first, second.weights(), of_second, at_once.data()));
-    in_turn.for_each([&](const Index<Dim>& place, const MassMomentum& node) {
-      EXPECT_EQ(at_once.at(place).momentum, node.momentum);
-      EXPECT_EQ(at_once.at(place).mass, node.mass);
-    });
-  }
-  // Two nodes on, or in another row, is not beside it.
-  for (int axis : {0, 1}) {
-    y = x;
-    y[std::size_t(axis)] += axis == 0 ? 2 : 1;
-    WindowOf<Dim, Shape, MassMomentum> nodes(node_of<MassMomentum>(Quad(0.1)));
-    EXPECT_FALSE(
-        scatter_together(first.weights(), of_first, WeightsAt<Dim, Shape>(y).weights(), of_second, nodes.data()));
-    nodes.for_each([&](const Index<Dim>&, const MassMomentum& node) { EXPECT_EQ(node.mass, 0.1); });
-  }
-}
-
 TYPED_TEST(Transfers, ForcesOfAStressedPointSumToZeroAndItsVirialIsTheStress) {
   // sum_I f_I = 0 and sum_I f_I x_I = flux, because the shape functions reproduce constants and places
   constexpr int Dim = TypeParam::dim;

@@ -116,6 +116,11 @@ struct ParticlesView {
   TALUS_HD double* wave_modulus() const { return column(ParticleField::wave_modulus); }
   TALUS_HD double* extent(int pair) const { return column(ParticleField::extent, pair); }
 
+  /// Has the fields from `begin` to `end` of eight particles from `first` on brought into the cache, while something else is computed.
+  TALUS_HD void fetch(ParticleField begin, ParticleField end, int first) const {
+    for (int c = layout.begin(begin); c < layout.begin(end); ++c) fetch_ahead(columns[c] + first);
+  }
+
   /// Positions of `count` particles from `first` on, at most four [m], one pack for each axis.
   TALUS_HD FourPlaces<Dim> places(int first, int count) const {
     FourPlaces<Dim> x;

@@ -29,6 +29,13 @@ TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelo
   transpose(v);
 }
 
+/// Has what the stress update reads of eight particles from number i of the tile on brought into the cache, while gradients are
+/// found.
+template <int Dim, class Shape>
+TALUS_HD void fetch_for_stress(const TilePoints<Dim, Shape>& points, int i) {
+  points.particles.fetch(ParticleField::mass, ParticleField::velocity_moment, points.range.begin + i);
+}
+
 /// `velocity`: of the nodes of the tile's window.
 template <int Dim, class Shape>
 TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
@@ -36,6 +43,7 @@ TALUS_HD void find_gradients(const TilePoints<Dim, Shape>& points, const Domain<
   const Quad per_length(1 / domain.h);
   const bool around_axis = Dim == 2 && domain.axisymmetric;
   for (int i = 0; i < points.size(); i += 4) {
+    if (i % 8 == 0) fetch_for_stress(points, i);
     const int count = points.count(i);
     const auto w = weights_of(points, domain, i, count);
     Quad columns[Dim][4], v[4];

@@ -1,13 +1,10 @@
 #pragma once
-/// Transfers of eight particles at a time, one in each lane.
+/// What eight particles at a time, one in each lane, interpolate from nodes.
 ///
 /// Particles of a tile lie in memory line by line along the first axis (cell_order.hpp). Those of a line touch the same rows
 /// of nodes, so a row is loaded once for eight particles, and each lane picks the nodes it touches. Where lanes touch
 /// different rows, because a line ends or particles have moved on, they pick from the rows of two lines at once, and further
 /// lines have their turn.
-///
-/// What particles add to nodes is kept in registers, four nodes of nine rows, as long as particles stand in the same cell of
-/// the same line.
 ///
 /// The bits are those of the kernels that serve one particle after the other, which are faster where eight numbers are no
 /// register.
@@ -17,8 +14,7 @@
 
 #include "talus/mpm/data/scratch.hpp"
 #include "talus/mpm/kernel/advance.hpp"
-#include "talus/mpm/kernel/force.hpp"
-#include "talus/mpm/kernel/transfer.hpp"
+#include "talus/mpm/kernel/gradient.hpp"
 
 namespace talus {
 
@@ -84,8 +80,6 @@ struct EightParticles {
   static constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
   int count;  ///< there may be fewer at the end of the tile; further lanes repeat the last
   Octet N[Dim][n], dN[Dim][n];
-  Octet
-      cell;  ///< along the first axis, in the window: where the four nodes begin of which a particle there touches three
   Octet first;  ///< node along the first axis, in the window
   Octet row;    ///< the first row that the particle touches
 
@@ -104,12 +98,10 @@ struct EightParticles {
       }
       const Octet origin(tile_edge * points.tile[a] - Layout::below);
       const Octet in_window = w.first - origin;
-      if (a > 0) {
+      if (a > 0)
         row = Octet(edge) * row + in_window;
-      } else {
+      else
         first = in_window;
-        cell = min(max(floor(x[0]) - Octet(1.0) - origin, Octet(0.0)), Octet(double(tile_edge - 1)));
-      }
     }
   }
 
@@ -207,30 +199,9 @@ TALUS_INLINE Octet interpolate_rows(const EightParticles<Dim, Shape>& w, const N
 template <int c, int Dim, class Shape, int n_numbers, class Rows>
 TALUS_INLINE Octet gradient_of_rows(const EightParticles<Dim, Shape>& w, const NodeRows<Dim, Shape, n_numbers>& window,
                                     const Rows& rows, Octet (&slope)[Dim]) {
-  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
-  for (Octet& s : slope) s = Octet(0.0);
-  Octet value(0.0);
-  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-    Octet plane(0.0), plane_x(0.0), plane_y(0.0);
-    for (int j = 0; j < n; ++j) {
-      const auto values = rows.load_row(window, j + edge * k, c);
-      Octet along(0.0), along_x(0.0);
-      for (int i = 0; i < n; ++i) {
-        const Octet at_node = values.at(rows.nodes[i]);
-        along = multiply_add(w.N[0][i], at_node, along);
-        along_x = multiply_add(w.dN[0][i], at_node, along_x);
-      }
-      plane = multiply_add(w.N[1][j], along, plane);
-      plane_x = multiply_add(w.N[1][j], along_x, plane_x);
-      plane_y = multiply_add(w.dN[1][j], along, plane_y);
-    }
-    const Octet weight = Dim == 3 ? w.N[Dim - 1][k] : Octet(1.0);
-    slope[0] = multiply_add(weight, plane_x, slope[0]);
-    slope[1] = multiply_add(weight, plane_y, slope[1]);
-    if constexpr (Dim == 3) slope[2] = multiply_add(w.dN[2][k], plane, slope[2]);
-    value = multiply_add(weight, plane, value);
-  }
-  return value;
+  constexpr int edge = TileLayout<Dim, Shape>::window_edge;
+  const auto at = [&](int i, int j, int k) { return rows.load_row(window, j + edge * k, c).at(rows.nodes[i]); };
+  return gradient_from(w.N, w.dN, at, slope);
 }
 
 /// Sums of N_I value_I of all numbers of the nodes.
@@ -254,6 +225,7 @@ TALUS_FLATTEN void find_gradients(const TilePoints<Dim, Shape>& points, const Do
   const bool around_axis = Dim == 2 && domain.axisymmetric;
   using Eight = detail::EightParticles<Dim, Shape>;
   detail::for_each_eight(points, domain, [&](int i, const Eight& w) {
+    fetch_for_stress(points, i);
     Octet v[Dim];
     w.for_each_row([&](const auto& rows, auto lanes, bool is_first) {
       const auto find = [&]<int c>(std::integral_constant<int, c>) {
@@ -326,223 +298,6 @@ TALUS_FLATTEN double advance(const TilePoints<Dim, Shape>& points, const Domain<
     fastest2 = max(fastest2, speed2);
   });
   return largest_of(fastest2);
-}
-
-namespace detail {
-
-/// The numbers of eight particles, of the lanes of four octets, particle by particle: those of two in each octet.
-TALUS_INLINE void transpose(Octet (&m)[4]) { to_fours(m[0].lanes, m[1].lanes, m[2].lanes, m[3].lanes); }
-
-/// The weights of eight particles along the first axis at the four nodes around their cells, particle by particle.
-template <int Dim, class Shape>
-TALUS_INLINE void weights_in_cells(const EightParticles<Dim, Shape>& w, const Octet (&along)[Shape::support],
-                                   double (&four)[8][4]) {
-  const auto begins_behind = w.first > w.cell;
-  const Octet zero(0.0);
-  Octet at[4] = {select(begins_behind, zero, along[0]), select(begins_behind, along[0], along[1]),
-                 select(begins_behind, along[1], along[2]), select(begins_behind, along[2], zero)};
-  transpose(at);
-  for (int two = 0; two < 4; ++two) store(four[2 * two], at[two]);
-}
-
-/// What each row gets of eight particles, particle by particle: four numbers that are multiplied with N along the first
-/// axis, and with `slopes` four that are multiplied with dN.
-template <bool slopes, int n_rows>
-struct RowParts {
-  alignas(64) double by_N[n_rows][8][4], by_dN[slopes ? n_rows : 1][8][4];
-};
-
-/// Adds what particles hand to nodes. `hand(i, w, parts)` finds it for eight particles from number i of the tile on;
-/// where `hand_nothing(i)`, they are left out.
-///
-/// The sums of a cell, of four nodes in each of the rows that its particles touch, stay in registers, two nodes in each.
-template <bool slopes, int Dim, class Shape, NodeOfFour Node, class HandNothing, class Hand>
-TALUS_INLINE void add_in_lines(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, Node* window,
-                               HandNothing hand_nothing, Hand hand) {
-  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge, n_rows = power(n, Dim - 1);
-  if (points.size() == 0) return;
-  struct Sums {
-    Octet first, last;  ///< two nodes each
-  } sums[n_rows];
-  const auto for_each_row = [&](auto f) {
-    [&]<int... k>(std::integer_sequence<int, k...>) { (f(sums[k], std::integral_constant<int, k>()), ...); }
-    (std::make_integer_sequence<int, n_rows>());
-  };
-  struct Handed {
-    alignas(64) double N[8][4], dN[8][4];  ///< of the four nodes around each particle's cell
-    double first[8];                       ///< of these nodes, in the window
-    RowParts<slopes, n_rows> parts;
-  };
-  constexpr int at_once = 2;  // what eight particles hand on takes 5 KB: no more than the first cache can spare
-  Handed handed[at_once];
-  const auto prepare = [&](int i, Handed& h) {
-    EightParticles<Dim, Shape> w;
-    w.find(points, domain, i);
-    weights_in_cells(w, w.N[0], h.N);
-    if constexpr (slopes) weights_in_cells(w, w.dN[0], h.dN);
-    write(multiply_add(Octet(edge), w.row, w.cell).lanes, h.first);
-    hand(i, w, h.parts);
-  };
-  // The nodes of the sums in a row.
-  const auto nodes = [](Node* at, auto row) {
-    return reinterpret_cast<double*>(at + edge * (row % n + edge * (row / n)));
-  };
-  Node* at = window;
-  const auto put_back = [&] {
-    for_each_row([&](const Sums& sum, auto row) {
-      store(nodes(at, row), sum.first);
-      store(nodes(at, row) + 8, sum.last);
-    });
-  };
-  const auto take_up = [&] {
-    for_each_row([&](Sums& sum, auto row) { sum = {load<Octet>(nodes(at, row)), load<Octet>(nodes(at, row) + 8)}; });
-  };
-  take_up();
-  const auto add = [&](const Handed& h, int count) {
-    for (int p = 0; p < count;) {
-      const double first = h.first[p];
-      Node* const here = window + int(first);
-      if (here == at + 1) {  // in the same row, where cells begin with four of its nodes
-        at = here;
-        for_each_row([&](Sums& sum, auto row) {
-          store(nodes(at - 1, row), Quad(low_half(sum.first.lanes)));
-          move_on(sum.first.lanes, sum.last.lanes, nodes(at, row) + 12);
-        });
-      } else if (here != at) {
-        put_back();
-        at = here;
-        take_up();
-      }
-      do {
-        const Octet N(four_twice(h.N[p])), N_behind(four_twice(h.N[p] + 2));
-        Octet dN, dN_behind;
-        if constexpr (slopes) {
-          dN = Octet(four_twice(h.dN[p]));
-          dN_behind = Octet(four_twice(h.dN[p] + 2));
-        }
-        for_each_row([&](Sums& sum, auto row) {
-          const Octet part(repeat_four(h.parts.by_N[row][p]));
-          sum.first = multiply_add(N, part, sum.first);
-          sum.last = multiply_add(N_behind, part, sum.last);
-          if constexpr (slopes) {
-            const Octet slope(repeat_four(h.parts.by_dN[row][p]));
-            sum.first = multiply_add(dN, slope, sum.first);
-            sum.last = multiply_add(dN_behind, slope, sum.last);
-          }
-        });
-        ++p;
-      } while (p < count && h.first[p] == first);
-    }
-  };
-  int counts[at_once];  // of the particles in `handed`
-  for (int begin = 0; begin < points.size();) {
-    int n_handed = 0;
-    for (; n_handed < at_once && begin < points.size(); begin += 8) {
-      if (hand_nothing(begin)) continue;
-      counts[n_handed] = std::min(points.size() - begin, 8);
-      prepare(begin, handed[n_handed++]);
-    }
-    for (int k = 0; k < n_handed; ++k) add(handed[k], counts[k]);
-  }
-  put_back();
-}
-
-/// A number of each of two of eight particles, for the four numbers of a node.
-template <int two>
-TALUS_INLINE Octet for_node(Octet x) {
-  return Octet(four_times<two>(x.lanes, x.lanes));
-}
-/// The same with the fourth from y.
-template <int two>
-TALUS_INLINE Octet for_node(Octet x, Octet y) {
-  return Octet(four_times<two>(x.lanes, y.lanes));
-}
-/// Calls f(two) for the four pairs of eight particles.
-template <class F>
-TALUS_INLINE void for_each_two(F f) {
-  [&]<int... two>(std::integer_sequence<int, two...>) { (f(std::integral_constant<int, two>()), ...); }
-  (std::make_integer_sequence<int, 4>());
-}
-
-}  // namespace detail
-
-/// Mass and momentum; see mass_and_momentum.hpp.
-template <int Dim, class Shape>
-TALUS_FLATTEN void add_mass_and_momentum_in_lines(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
-                                                  MassMomentum* window) {
-  const ParticlesView<Dim>& p = points.particles;
-  constexpr int n = Shape::support;
-  const auto hand = [&](int i, const detail::EightParticles<Dim, Shape>& w, auto& parts) {
-    const int first = points.range.begin + i;
-    const Octet mass = detail::load_lanes(p.mass() + first, w.count);
-    Octet values[4];
-    for (int a = 0; a < 3; ++a)
-      values[a] = a < Dim ? mass * detail::load_lanes(p.velocity(a) + first, w.count) : Octet(0.0);
-    values[3] = mass;
-    detail::transpose(values);
-    detail::for_each_two([&](auto two) {
-      Octet N_z[n];
-      for (int k = 0; k < (Dim == 3 ? n : 1); ++k) N_z[k] = detail::for_node<two>(w.N[Dim - 1][k]);
-      for (int j = 0; j < n; ++j) {
-        const Octet row = detail::for_node<two>(w.N[1][j]) * values[two];
-        for (int k = 0; k < (Dim == 3 ? n : 1); ++k)
-          store(parts.by_N[j + n * k][2 * two], Dim == 3 ? N_z[k] * row : row);
-      }
-    });
-  };
-  detail::add_in_lines<false>(
-      points, domain, window, [](int) { return false; }, hand);
-}
-
-/// Forces; see force.hpp.
-template <bool hoops, int Dim, class Shape>
-TALUS_FLATTEN void add_forces_in_lines(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
-                                       const ScratchView& s, ForceStiffness* window) {
-  const Octet per_length(-1 / domain.h), zero(0.0);
-  constexpr int component[3][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}};
-  constexpr int n = Shape::support;
-  const auto hand = [&](int i, const detail::EightParticles<Dim, Shape>& w, auto& parts) {
-    // Fluxes along the axes. The stiffness, which is multiplied with weights only, stands beside that along the third one,
-    // and those of its weights beside the slopes.
-    const Octet stiffness = load<Octet>(&s.stiffness[i]);
-    Octet flux[3][4];
-    for (int a = 0; a < Dim; ++a) {
-      for (int b = 0; b < 3; ++b) flux[a][b] = b < Dim ? per_length * load<Octet>(&s.flux[component[a][b]][i]) : zero;
-      flux[a][3] = a == 2 ? stiffness : zero;
-      detail::transpose(flux[a]);
-    }
-    if constexpr (Dim == 2) {
-      flux[2][0] = flux[2][1] = flux[2][2] = zero;
-      flux[2][3] = stiffness;
-      if constexpr (hoops)
-        flux[2][0] = -load<Octet>(&s.flux[2][i]) /
-                     max(detail::load_lanes(points.particles.position(0) + points.range.begin + i, w.count),
-                         Octet(1e-6 * domain.h));
-      detail::transpose(flux[2]);
-    }
-    detail::for_each_two([&](auto two) {
-      Octet N_y[n], dN_y[n];
-      for (int j = 0; j < n; ++j) {
-        N_y[j] = detail::for_node<two>(w.N[1][j]);
-        dN_y[j] = detail::for_node<two>(w.dN[1][j]);
-      }
-      for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-        Octet plane_x = flux[0][two], plane_y = flux[1][two], plane = flux[2][two];
-        if constexpr (Dim == 3) {
-          const Octet N_z = detail::for_node<two>(w.N[2][k]);
-          plane_x *= N_z;
-          plane_y *= N_z;
-          plane *= detail::for_node<two>(w.dN[2][k], w.N[2][k]);
-        }
-        for (int j = 0; j < n; ++j) {
-          store(parts.by_dN[j + n * k][2 * two], N_y[j] * plane_x);
-          store(parts.by_N[j + n * k][2 * two], multiply_add(dN_y[j], plane_y, N_y[j] * plane));
-        }
-      }
-    });
-  };
-  detail::add_in_lines<true>(
-      points, domain, window, [&](int i) { return give_no_force<Octet>(s, i); }, hand);
 }
 
 }  // namespace talus

@@ -11,37 +11,21 @@
 
 namespace talus {
 
-/// Reads places, masses and velocities; adds to the window of the particles' tile. Neighbours in a line share the loads and
-/// stores of nodes.
+/// Reads places, masses and velocities; adds to the window of the particles' tile.
 template <int Dim, class Shape>
 TALUS_FLATTEN TALUS_HD void add_mass_and_momentum(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                                   MassMomentum* window) {
   const ParticlesView<Dim>& p = points.particles;
-  const auto momenta = [&](int i, int count, Quad(&values)[4]) {
-    const int first = points.range.begin + i;
+  for (int i = 0; i < points.size(); i += 4) {
+    const int first = points.range.begin + i, count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
     const Quad mass = load<Quad>(p.mass() + first, count);
+    Quad values[4];
     for (int axis = 0; axis < 3; ++axis)
       values[axis] = axis < Dim ? mass * load<Quad>(p.velocity(axis) + first, count) : Quad(0.0);
     values[3] = mass;
     transpose(values);
-  };
-  for (int i = 0; i < points.size(); i += 8) {
-    const int n = points.size() - i < 8 ? points.size() - i : 8, behind = n > 4 ? i + 4 : i;
-    const FourWeights<Dim, Shape> w[2] = {weights_of(points, domain, i, points.count(i)),
-                                          weights_of(points, domain, behind, points.count(behind))};
-    Quad values[2][4];
-    momenta(i, points.count(i), values[0]);
-    momenta(behind, points.count(behind), values[1]);
-    const auto weights = [&](int k) { return ParticleWeights<Dim, Shape>{w[k / 4], k % 4}; };
-    const auto value = [&](int k) { return values[k / 4][k % 4]; };
-    for (int k = 0; k < n;) {
-      if (k + 1 < n && scatter_together(weights(k), value(k), weights(k + 1), value(k + 1), window)) {
-        k += 2;
-      } else {
-        scatter(weights(k), value(k), window);
-        ++k;
-      }
-    }
+    for (int lane = 0; lane < count; ++lane) scatter(ParticleWeights<Dim, Shape>{w, lane}, values[lane], window);
   }
 }
 

@@ -33,35 +33,83 @@ TALUS_HD NodeNumbers<Node> interpolate(const ParticleWeights<Dim, Shape>& w, con
   return sum;
 }
 
-/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell: column a of the gradient. Returns the sum of N_I value_I,
-/// with the bits of `interpolate`.
+/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell, from weights along the axes and `at(i, j, k)`: the value of node
+/// i of line j of layer k. Returns the sum of N_I value_I.
+///
+/// Weights add up to one and slopes to zero, so along each axis differences from one of the nodes do, with a product less
+/// each; where all nodes have the same value, slopes are exactly zero.
+template <class R, int Dim, int n, class At>
+TALUS_INLINE TALUS_HD R gradient_from(const R (&N)[Dim][n], const R (&dN)[Dim][n], At at, R (&slope)[Dim]) {
+  constexpr int middle = n / 2;
+  struct Line {
+    R value, x;
+  };
+  struct Layer {
+    R value, x, y;
+  };
+  const auto line = [&](int j, int k) {
+    const R origin = at(middle, j, k);
+    Line sum{origin, R(0.0)};
+    for (int i = 0; i < n; ++i) {
+      if (i == middle) continue;
+      const R difference = at(i, j, k) - origin;
+      sum.value = multiply_add(N[0][i], difference, sum.value);
+      sum.x = multiply_add(dN[0][i], difference, sum.x);
+    }
+    return sum;
+  };
+  const auto layer = [&](int k) {
+    const Line origin = line(middle, k);
+    Layer sum{origin.value, origin.x, R(0.0)};
+    for (int j = 0; j < n; ++j) {
+      if (j == middle) continue;
+      const Line other = line(j, k);
+      const R difference = other.value - origin.value;
+      sum.value = multiply_add(N[1][j], difference, sum.value);
+      sum.x = multiply_add(N[1][j], other.x - origin.x, sum.x);
+      sum.y = multiply_add(dN[1][j], difference, sum.y);
+    }
+    return sum;
+  };
+  if constexpr (Dim == 2) {
+    const Layer all = layer(0);
+    slope[0] = all.x;
+    slope[1] = all.y;
+    return all.value;
+  } else {
+    const Layer origin = layer(middle);
+    R value = origin.value;
+    slope[0] = origin.x;
+    slope[1] = origin.y;
+    slope[2] = R(0.0);
+    for (int k = 0; k < n; ++k) {
+      if (k == middle) continue;
+      const Layer other = layer(k);
+      const R difference = other.value - origin.value;
+      value = multiply_add(N[2][k], difference, value);
+      slope[0] = multiply_add(N[2][k], other.x - origin.x, slope[0]);
+      slope[1] = multiply_add(N[2][k], other.y - origin.y, slope[1]);
+      slope[2] = multiply_add(dN[2][k], difference, slope[2]);
+    }
+    return value;
+  }
+}
+
+/// The same of a particle: column a of the gradient for each axis a.
 template <int Dim, class Shape, class Node>
 TALUS_HD NodeNumbers<Node> gradient(const ParticleWeights<Dim, Shape>& w, const Node* v,
                                     NodeNumbers<Node> (&columns)[Dim]) {
   using R = NodeNumbers<Node>;
   constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
-  for (auto& c : columns) c = R(0.0);
-  R value(0.0);
-  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-    R plane = R(0.0), plane_x = R(0.0), plane_y = R(0.0);
-    for (int j = 0; j < n; ++j) {
-      const int at = w.first() + edge * (j + edge * k);
-      R row = R(0.0), row_x = R(0.0);
-      for (int i = 0; i < n; ++i) {
-        row = multiply_add(R(w.N(0, i)), load_node(v[at + i]), row);
-        row_x = multiply_add(R(w.dN(0, i)), load_node(v[at + i]), row_x);
-      }
-      plane = multiply_add(R(w.N(1, j)), row, plane);
-      plane_x = multiply_add(R(w.N(1, j)), row_x, plane_x);
-      plane_y = multiply_add(R(w.dN(1, j)), row, plane_y);
+  v += w.first();
+  R N[Dim][n], dN[Dim][n];
+  for (int a = 0; a < Dim; ++a)
+    for (int i = 0; i < n; ++i) {
+      N[a][i] = R(w.N(a, i));
+      dN[a][i] = R(w.dN(a, i));
     }
-    const R weight(Dim == 3 ? w.N(Dim - 1, k) : 1.0);
-    columns[0] = multiply_add(weight, plane_x, columns[0]);
-    columns[1] = multiply_add(weight, plane_y, columns[1]);
-    if constexpr (Dim == 3) columns[2] = multiply_add(R(w.dN(2, k)), plane, columns[2]);
-    value = multiply_add(weight, plane, value);
-  }
-  return value;
+  const auto at = [&](int i, int j, int k) { return load_node(v[i + edge * (j + edge * k)]); };
+  return gradient_from(N, dN, at, columns);
 }
 
 /// Adds N_I value to every node.
@@ -82,49 +130,6 @@ TALUS_HD void scatter(const ParticleWeights<Dim, Shape>& w, NodeNumbers<Node> va
       Node* at = nodes + edge * (j + edge * k);
       for (int i = 0; i < n; ++i) store_node(at[i], multiply_add(N_x[i], part, load_node(at[i])));
     }
-  }
-}
-
-/// The same for two particles, one after the other: each node is loaded and stored once. The second touches the nodes of
-/// the first, or those `ahead` = 1 or -1 nodes further along the first axis. The bits are those of two calls.
-template <int ahead, int Dim, class Shape, class Node>
-TALUS_HD void scatter_two(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
-                          const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
-  using R = NodeNumbers<Node>;
-  constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
-  constexpr int begin_first = ahead < 0 ? 1 : 0, begin_second = ahead > 0 ? 1 : 0;
-  constexpr int n_nodes = n + begin_first + begin_second;
-  nodes += first.first() - begin_first;
-  R N_first[n], N_second[n], row_first[n], row_second[n];
-  for (int i = 0; i < n; ++i) {
-    N_first[i] = R(first.N(0, i));
-    N_second[i] = R(second.N(0, i));
-    row_first[i] = R(first.N(1, i)) * of_first;
-    row_second[i] = R(second.N(1, i)) * of_second;
-  }
-  for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
-    const R z_first(Dim == 3 ? first.N(Dim - 1, k) : 1.0), z_second(Dim == 3 ? second.N(Dim - 1, k) : 1.0);
-    for (int j = 0; j < n; ++j) {
-      const R part_first = Dim == 3 ? z_first * row_first[j] : row_first[j];
-      const R part_second = Dim == 3 ? z_second * row_second[j] : row_second[j];
-      Node* at = nodes + edge * (j + edge * k);
-      R sum[n_nodes];
-      for (int i = 0; i < n_nodes; ++i) sum[i] = load_node(at[i]);
-      for (int i = 0; i < n; ++i) sum[i + begin_first] = multiply_add(N_first[i], part_first, sum[i + begin_first]);
-      for (int i = 0; i < n; ++i) sum[i + begin_second] = multiply_add(N_second[i], part_second, sum[i + begin_second]);
-      for (int i = 0; i < n_nodes; ++i) store_node(at[i], sum[i]);
-    }
-  }
-}
-/// The same if the second particle touches such nodes, else nothing. Returns whether it does.
-template <int Dim, class Shape, class Node>
-TALUS_HD bool scatter_together(const ParticleWeights<Dim, Shape>& first, NodeNumbers<Node> of_first,
-                               const ParticleWeights<Dim, Shape>& second, NodeNumbers<Node> of_second, Node* nodes) {
-  switch (second.first() - first.first()) {
-    case -1: scatter_two<-1>(first, of_first, second, of_second, nodes); return true;
-    case 0: scatter_two<0>(first, of_first, second, of_second, nodes); return true;
-    case 1: scatter_two<1>(first, of_first, second, of_second, nodes); return true;
-    default: return false;
   }
 }
 

@@ -27,8 +27,8 @@ void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, i
   ForceStiffness* window = m.grid.force_windows.of(t);
   if (first) clear_window<Dim, Shape>(window);
   const auto add = [&]<bool hoops>() {
-    if constexpr (goes_by_lines<Dim, Shape>)
-      add_forces_in_lines<hoops>(points, m.domain, s, window);
+    if constexpr (goes_by_runs<Shape>)
+      add_forces_in_runs<hoops>(points, m.domain, s, window);
     else
       add_forces<hoops>(points, m.domain, s, window);
   };

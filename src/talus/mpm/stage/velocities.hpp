@@ -2,6 +2,7 @@
 /// Between particles and nodes: mass and momentum, and the velocities of nodes.
 
 #include "talus/mpm/kernel/lines.hpp"
+#include "talus/mpm/kernel/runs.hpp"
 #include "talus/mpm/model.hpp"
 
 namespace talus {
@@ -17,8 +18,8 @@ void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
   }
   clear_window<Dim, Shape>(window);
   m.for_each_body(t, [&](auto&, const auto& points) {
-    if constexpr (goes_by_lines<Dim, Shape>)
-      add_mass_and_momentum_in_lines(points, m.domain, window);
+    if constexpr (goes_by_runs<Shape>)
+      add_mass_and_momentum_in_runs(points, m.domain, window);
     else
       add_mass_and_momentum(points, m.domain, window);
   });
