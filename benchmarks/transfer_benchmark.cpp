@@ -2,10 +2,13 @@
 /// the weights of the shape function, as in a step.
 
 #include <random>
+#include <string>
+#include <type_traits>
 #include <vector>
 
+#include "mpm/kernel/random_tile.hpp"
 #include "per_item.hpp"
-#include "talus/mpm/kernel/transfer.hpp"
+#include "talus/mpm/kernel/runs.hpp"
 
 namespace talus {
 namespace {
@@ -86,10 +89,45 @@ void scatter_force(benchmark::State& timer) {
   tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, Quad(1e-9), tile.sums); });
 }
 
+/// Times f(particles, domain, scratch, window) for a tile of particles in their order, which have moved on since by some cells.
+template <class Node, class F>
+void add_to_nodes(benchmark::State& timer, double moved, F f) {
+  RandomTile<3, Quadratic> tile(8 * power(tile_edge, 3), moved, Quadratic());
+  Node window[TileLayout<3, Quadratic>::n_window] = {};
+  for (auto _ : timer) {
+    f(tile.points(), tile.domain, tile.s, window);
+    benchmark::ClobberMemory();
+  }
+  timer.counters["ns"] = ns_per_item(tile.points().size());
+}
+
 const bool transfers_registered = [] {
-  const auto add = [](const char* name, auto f) {
-    benchmark::RegisterBenchmark(name, f)->Repetitions(n_repetitions)->MinTime(0.05);
+  const auto add = [](const std::string& name, auto f) {
+    benchmark::RegisterBenchmark(name.c_str(), f)->Repetitions(n_repetitions)->MinTime(0.05);
   };
+  for (const double moved : {0.0, 0.1}) {
+    const auto add_both = [&]<class Node>(std::type_identity<Node>, const std::string& what, auto one, auto runs) {
+      const std::string after = moved > 0 ? ", moved on" : "";
+      add("transfer/" + what + "/one by one, 3D" + after, [=](auto& timer) { add_to_nodes<Node>(timer, moved, one); });
+      add("transfer/" + what + "/run by run, 3D" + after, [=](auto& timer) { add_to_nodes<Node>(timer, moved, runs); });
+    };
+    add_both(
+        std::type_identity<MassMomentum>(), "mass and momentum",
+        [](const auto& points, const auto& domain, const auto&, auto* window) {
+          add_mass_and_momentum(points, domain, window);
+        },
+        [](const auto& points, const auto& domain, const auto&, auto* window) {
+          add_mass_and_momentum_in_runs(points, domain, window);
+        });
+    add_both(
+        std::type_identity<ForceStiffness>(), "forces",
+        [](const auto& points, const auto& domain, const auto& s, auto* window) {
+          add_forces<false>(points, domain, s, window);
+        },
+        [](const auto& points, const auto& domain, const auto& s, auto* window) {
+          add_forces_in_runs<false>(points, domain, s, window);
+        });
+  }
   add("transfer/gradient/quadratic, 2D", gather_gradient<2, Quadratic>);
   add("transfer/gradient/quadratic, 3D", gather_gradient<3, Quadratic>);
   add("transfer/interpolate two fields/quadratic, 2D", interpolate_two<2, Quadratic>);

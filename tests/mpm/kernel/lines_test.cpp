@@ -6,7 +6,7 @@
 
 #include <algorithm>
 
-#include "mpm/kernel/random_tile.hpp"
+#include "mpm/kernel/for_tiles.hpp"
 
 namespace talus::lines_test {
 

@@ -1,8 +1,6 @@
 #pragma once
 /// A tile of particles at random places, for kernels that are held against each other.
 
-#include <gtest/gtest.h>
-
 #include <random>
 
 #include "mpm/by_hand.hpp"
@@ -73,18 +71,5 @@ struct RandomTile {
     return {bodies[0].particles.view(), {0, bodies[0].particles.size()}, Index<Dim>{}, shape};
   }
 };
-
-/// Calls f(tile) for tiles full of particles and with few of them, in order and moved on.
-template <class Kind, class F>
-void for_tiles(F f) {
-  constexpr int Dim = Kind::dim;
-  using Shape = typename Kind::shape;
-  for (const int n : {1, 7, 130})
-    for (const double moved : {0.0, 0.1, 0.4}) {
-      RandomTile<Dim, Shape> tile(n, moved, Shape());
-      SCOPED_TRACE(testing::Message() << n << " particles, moved by " << moved);
-      f(tile);
-    }
-}
 
 }  // namespace talus

@@ -2,7 +2,7 @@
 
 #include "talus/mpm/kernel/runs.hpp"
 
-#include "mpm/kernel/random_tile.hpp"
+#include "mpm/kernel/for_tiles.hpp"
 
 namespace talus::runs_test {
 
