@@ -89,7 +89,7 @@ void scatter_force(benchmark::State& timer) {
   tile.time(timer, [&](const auto& w) { scatter_gradient(w, flux, Quad(1e-9), tile.sums); });
 }
 
-/// Times f(particles, domain, scratch, window) for a tile of particles in their order, which have moved on since by some cells.
+/// Times f(particles, domain, scratch, window) for a tile of particles in their order, which have moved on since by up to so many cells.
 template <class Node, class F>
 void add_to_nodes(benchmark::State& timer, double moved, F f) {
   RandomTile<3, Quadratic> tile(8 * power(tile_edge, 3), moved, Quadratic());

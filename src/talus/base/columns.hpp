@@ -15,6 +15,8 @@ namespace talus {
 
 /// Columns of equal length, each contiguous and aligned to a cache line.
 class Columns {
+  using Values = std::unique_ptr<double[], FreeMemory>;
+
  public:
   explicit Columns(int n_columns)
       : blocks_(std::size_t(n_columns + columns_a_block - 1) / columns_a_block), pointers_(std::size_t(n_columns)) {}
@@ -43,12 +45,11 @@ class Columns {
   /// Working space of `permute`.
   class Spare {
    public:
-    explicit Spare(const Columns& columns)
-        : values_(static_cast<double*>(large_memory(columns.stride() * sizeof(double)).release())) {}
+    explicit Spare(const Columns& columns) : values_(allocate(columns.stride())) {}
 
    private:
     friend Columns;
-    std::unique_ptr<double[], FreeMemory> values_;
+    Values values_;
   };
 
   /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` keep their values.
@@ -68,12 +69,14 @@ class Columns {
     constexpr std::size_t line = 64 / sizeof(double);
     return (std::size_t(n_that_fit_) / line + 1) * line;
   }
+  static Values allocate(std::size_t n) {
+    return Values(static_cast<double*>(large_memory(n * sizeof(double)).release()));
+  }
   /// Gives a block new memory; the first rows keep their values.
   void move_block(int b, int n_kept) {
     const int first = b * columns_a_block, n = std::min(n_columns() - first, columns_a_block);
     const std::size_t n_values = std::size_t(n) * stride();
-    std::unique_ptr<double[], FreeMemory> values(
-        static_cast<double*>(large_memory(n_values * sizeof(double)).release()));
+    Values values = allocate(n_values);
     std::fill_n(values.get(), n_values, 0.0);
     for (int c = 0; c < n; ++c) {
       double*& column = pointers_[std::size_t(first + c)];
@@ -84,7 +87,7 @@ class Columns {
     blocks_[std::size_t(b)] = std::move(values);
   }
 
-  std::vector<std::unique_ptr<double[], FreeMemory>> blocks_;
+  std::vector<Values> blocks_;
   std::vector<double*> pointers_;
   int size_ = 0, n_that_fit_ = 0;
 };

@@ -166,12 +166,14 @@ using EightDoubles = Two<FourDoubles>;
 using PackDoubles = EightDoubles;
 using EightIndices = EightLanes;
 #endif
+
 /// Asks for a line of memory that is needed soon, at any address.
 TALUS_HD inline void fetch_ahead(const double* column) {
 #if !defined(__CUDACC__)
   __builtin_prefetch(column);
 #endif
 }
+
 /// Whether eight numbers are one register.
 inline constexpr bool eight_in_a_register = lanes_in<PackDoubles> > lanes_in<EightDoubles>;
 /// Numbers of the widest pack of any build: rows that are read pack by pack are as much longer.

@@ -176,8 +176,9 @@ inline void reorder(Columns& columns, const std::vector<int>& order, Backend& ba
 template <int Dim>
 inline constexpr int n_slots = power(tile_edge + 1, Dim);
 
-/// The order of rows by tiles and, in each, by slots; rows of one slot stay in their order. `slots`: of every row, numbered over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all
-/// workers, each a stretch of them; then every tile is put in order for itself.
+/// The order of rows by tiles and, in each, by slots; rows of one slot stay in their order. `slots`: of every row, numbered
+/// over the tiles. Sets the `tiles`. Rows are dealt out to tiles by all workers, each a stretch of them; then every tile is
+/// put in order for itself.
 template <int Dim>
 std::vector<int> order_of_rows(const RowOrder& rows, const std::vector<std::uint32_t>& slots,
                                std::vector<RowRange>& tiles, Backend& backend) {

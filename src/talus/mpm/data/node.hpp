@@ -77,6 +77,16 @@ TALUS_HD void copy_node(const Node& from, Node& to) {
   to = from;
 }
 
+/// The four numbers of each of eight nodes or particles, from octets of one number each.
+TALUS_INLINE TALUS_HD void to_fours(const Octet (&numbers)[4], Quad (&first)[4], Quad (&last)[4]) {
+  for (int c = 0; c < 4; ++c) {
+    first[c] = Quad(low_half(numbers[c].lanes));
+    last[c] = Quad(high_half(numbers[c].lanes));
+  }
+  transpose(first);
+  transpose(last);
+}
+
 /// The numbers of eight nodes, each in an octet; and back.
 template <NodeOfFour Node>
 TALUS_INLINE TALUS_HD void load_nodes(const Node* nodes, Octet (&numbers)[4]) {
@@ -102,12 +112,7 @@ TALUS_INLINE TALUS_HD void store_nodes(Node* nodes, const Octet (&numbers)[4]) {
     for (int k = 0; k < 4; ++k) store(reinterpret_cast<double*>(nodes + 2 * k), two[k]);
   } else {
     Quad first[4], last[4];
-    for (int k = 0; k < 4; ++k) {
-      first[k] = Quad(low_half(numbers[k].lanes));
-      last[k] = Quad(high_half(numbers[k].lanes));
-    }
-    transpose(first);
-    transpose(last);
+    to_fours(numbers, first, last);
     for (int k = 0; k < 4; ++k) {
       store_node(nodes[k], first[k]);
       store_node(nodes[4 + k], last[k]);

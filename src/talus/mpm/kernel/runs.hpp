@@ -9,6 +9,7 @@
 /// instead of 90, of which 9 are sums, and a third less of a processor that adds beside its multiply-adds.
 
 #include <algorithm>
+#include <type_traits>
 
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/mass_and_momentum.hpp"
@@ -56,16 +57,11 @@ struct Batch {
   }
   /// Puts four numbers of eight particles in place k.
   TALUS_INLINE void put(int which, const Octet (&numbers)[4], int k) {
-    Quad low[4], high[4];
-    for (int c = 0; c < 4; ++c) {
-      low[c] = Quad(low_half(numbers[c].lanes));
-      high[c] = Quad(high_half(numbers[c].lanes));
-    }
-    transpose(low);
-    transpose(high);
+    Quad first[4], last[4];
+    to_fours(numbers, first, last);
     for (int lane = 0; lane < 4; ++lane) {
-      store(fours[which][k + lane], low[lane]);
-      store(fours[which][k + 4 + lane], high[lane]);
+      store(fours[which][k + lane], first[lane]);
+      store(fours[which][k + 4 + lane], last[lane]);
     }
   }
   /// Four numbers of particle p.
@@ -127,7 +123,7 @@ template <bool slopes, int Dim, class Shape, int n_fours, NodeOfFour Node, class
 TALUS_INLINE void add_runs(const Batch<Dim, Shape, n_fours>& batch, int count, Node* window, Hand hand) {
   constexpr int edge = TileLayout<Dim, Shape>::window_edge;
   for (int begin = 0, end = 0; begin < count; begin = end) {
-    for (end = begin + 1; end < count && batch.node[end] == batch.node[begin];) ++end;
+    while (end < count && batch.node[end] == batch.node[begin]) ++end;
     Node* const nodes = window + int(batch.node[begin]);
     const auto layer = [&](auto part) {
       return sum_up_layer<slopes>(batch, begin, end,
