@@ -11,6 +11,8 @@
 #include <concepts>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
+#include <utility>
 
 #include "talus/base/portability.hpp"
 
@@ -189,6 +191,14 @@ template <class F>
 TALUS_HD Pack lanewise(F f, Pack x) {
   for (int i = 0; i < pack_width; ++i) x.set(i, f(x[i]));
   return x;
+}
+
+/// Calls f(k) for the constants k from 0 to n - 1. With a variable in their place the compiler keeps in memory what k is an index of, and
+/// doesn't leave out what is not used.
+template <std::size_t n, class F>
+TALUS_HD void for_constants(F f) {
+  [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>()), ...); }
+  (std::make_index_sequence<n>());
 }
 
 /// The numbers of a struct that has only members of type R, in their order.

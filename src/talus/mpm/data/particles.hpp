@@ -195,14 +195,11 @@ template <Number R, class State, int Dim>
 TALUS_HD State load_states(const ParticlesView<Dim>& particles, int first, int count) {
   State state;
   double* const* const from = particles.states();
-  // One after the other without a loop, so that the compiler leaves out numbers that are not used.
-  [&]<std::size_t... k>(std::index_sequence<k...>) {
-    if (count >= width_of<R>)
-      ((numbers_of<R>(state)[k] = load<R>(from[k] + first)), ...);
-    else
-      ((numbers_of<R>(state)[k] = load<R>(from[k] + first, count)), ...);
-  }
-  (std::make_index_sequence<sizeof(State) / sizeof(R)>());
+  constexpr std::size_t n = sizeof(State) / sizeof(R);
+  if (count >= width_of<R>)
+    for_constants<n>([&](auto k) { numbers_of<R>(state)[k] = load<R>(from[k] + first); });
+  else
+    for_constants<n>([&](auto k) { numbers_of<R>(state)[k] = load<R>(from[k] + first, count); });
   return state;
 }
 template <Number R, class State, int Dim>
@@ -210,9 +207,9 @@ TALUS_HD void store_states(const ParticlesView<Dim>& particles, int first, int c
   double* const* const to = particles.states();
   constexpr std::size_t n = sizeof(State) / sizeof(R);
   if (count >= width_of<R>)
-    for (std::size_t k = 0; k < n; ++k) store(to[k] + first, numbers_of<R>(state)[k]);
+    for_constants<n>([&](auto k) { store(to[k] + first, numbers_of<R>(state)[k]); });
   else
-    for (std::size_t k = 0; k < n; ++k) store(to[k] + first, numbers_of<R>(state)[k], count);
+    for_constants<n>([&](auto k) { store(to[k] + first, numbers_of<R>(state)[k], count); });
 }
 
 /// The state of one particle.

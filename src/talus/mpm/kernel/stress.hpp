@@ -143,8 +143,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
 template <Number R, class State>
 TALUS_HD void take_where(mask_t<R> mask, State& other, State& state) {
   using talus::select;  // laws have another `select` in `detail`
-  for (std::size_t k = 0; k < sizeof(State) / sizeof(R); ++k)
-    numbers_of<R>(state)[k] = select(mask, numbers_of<R>(other)[k], numbers_of<R>(state)[k]);
+  for_constants<sizeof(State) / sizeof(R)>(
+      [&](auto k) { numbers_of<R>(state)[k] = select(mask, numbers_of<R>(other)[k], numbers_of<R>(state)[k]); });
 }
 
 /// What packs of particles add to the sums of their tile. Particles count by their volume, which is 0 in lanes that
@@ -253,7 +253,8 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, int i, PackInStep<R, 
   pack.i = i;
   pack.first = first;
   pack.count = count;
-  auto state = load_states<R, typename Law::template State<R>>(particles, first, count);
+  auto& state = pack.state;
+  state = load_states<R, typename Law::template State<R>>(particles, first, count);
   R reference_volume = load<R>(particles.reference_volume() + first, count);
   if constexpr (width_of < R >> 1)
     for (int lane = count; lane < width_of<R>; ++lane) reference_volume.set(lane, 0);
@@ -292,7 +293,6 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, int i, PackInStep<R, 
   }
   pack.reference_volume = reference_volume;
   pack.motion = {dt * rate, rate, how.dt};
-  pack.state = state;
 }
 
 /// Gives the contacts of a pack their own compression again, which changes by as much as that of the stress has, and their
@@ -413,10 +413,12 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
   constexpr int width = width_of<R>, at_once = packs_at_once<R, Law>;
   PackInStep<R, Law> packs[at_once];
   for (int first = 0; first < n; first += at_once * width) {
-    int n_packs = 0;
-    for (int i = first; i < n && n_packs < at_once; i += width) begin_step<R, f_bar>(step, i, packs[n_packs++]);
-    for (int k = 0; k < n_packs; ++k) packs[k].response = law.update(packs[k].state, packs[k].motion, how.integration);
-    for (int k = 0; k < n_packs; ++k) end_step(step, packs[k], total);
+    const auto for_each = [&](auto part) {
+      for (int k = 0; k < at_once && first + k * width < n; ++k) part(packs[k], first + k * width);
+    };
+    for_each([&](auto& pack, int i) { begin_step<R, f_bar>(step, i, pack); });
+    for_each([&](auto& pack, int) { pack.response = law.update(pack.state, pack.motion, how.integration); });
+    for_each([&](auto& pack, int) { end_step(step, pack, total); });
   }
   total.add_to(sums);
 }
