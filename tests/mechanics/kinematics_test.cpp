@@ -43,6 +43,19 @@ TEST(Rotation, LeavesInvariantsAlone) {
   EXPECT_GT(std::abs(turned.xx - stress.xx), 1);  // and it did turn
 }
 
+TEST(Rotation, OfATensorIsQaQT) {
+  const Tensor<double> Q = incremental_rotation(Tensor<double>{{{0, -20, 3}, {4, 0, -60}, {70, 8, 0}}}, 0.02);
+  const SymTensor<double> stress{-300, -120, -100, 40, 20, -30};
+  for (int c = 0; c < 6; ++c) EXPECT_NEAR(rotate(Q, stress)[c], transformed(Q, stress)[c], 1e-12);
+}
+
+TEST(Rotation, WithoutSpinChangesNoBit) {
+  const Tensor<double> L{{{1, 2, 3}, {2, 5, 6}, {3, 6, 9}}};
+  const SymTensor<double> stress{-300.1, -120.2, -1e-3, 40.3, 20.4, -30.5};
+  EXPECT_EQ(rotate(incremental_rotation(L, 0.1), stress), stress);
+  EXPECT_EQ(rotate(incremental_plane_rotation(L, 0.1), stress), stress);
+}
+
 TEST(Rotation, AboutOneAxisIsThatOfTheTensor) {
   const Tensor<double> L{{{1, -20, 0}, {4, 5, 0}, {0, 0, 6}}};
   const SymTensor<double> stress{-300, -120, -100, 40, 20, -30};

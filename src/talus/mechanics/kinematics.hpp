@@ -22,12 +22,12 @@ TALUS_HD Tensor<R> incremental_rotation(const Tensor<R>& L, double dt) {
   const R a = quarter * (L[2][1] - L[1][2]);
   const R b = quarter * (L[0][2] - L[2][0]);
   const R c = quarter * (L[1][0] - L[0][1]);
-  const R aa = a * a, bb = b * b, cc = c * c;
-  const R f = R(2.0) / (R(1.0) + aa + bb + cc);
   const R one = R(1.0);
-  return {{{one - f * (bb + cc), f * (a * b - c), f * (a * c + b)},
-           {f * (a * b + c), one - f * (aa + cc), f * (b * c - a)},
-           {f * (a * c - b), f * (b * c + a), one - f * (aa + bb)}}};
+  const R f = R(2.0) / multiply_add(c, c, multiply_add(b, b, multiply_add(a, a, one)));
+  const R fa = f * a, fb = f * b, fc = f * c;
+  const R aa = fa * a, bb = fb * b, cc = fc * c, ab = fa * b, bc = fb * c, ca = fc * a;
+  return {
+      {{one - (bb + cc), ab - fc, ca + fb}, {ab + fc, one - (aa + cc), bc - fa}, {ca - fb, bc + fa, one - (aa + bb)}}};
 }
 /// The same where nothing turns but about z.
 template <class R>

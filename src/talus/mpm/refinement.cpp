@@ -43,7 +43,7 @@ SymTensor<double> compressed(const SymTensor<double>& S, const Vec<3>& e, double
   Tensor<double> F;
   for (int a = 0; a < 3; ++a)
     for (int b = 0; b < 3; ++b) F[a][b] = (a == b ? 1 : 0) - (1 - factor) * e[a] * e[b];
-  return rotate(F, S);
+  return transformed(F, S);
 }
 
 /// Whether a cell contains particles, numbered from the first cell of tile t, as far as the neighbouring tiles reach.
@@ -178,7 +178,7 @@ SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L,
       const double LL = L[a][0] * L[0][b] + L[a][1] * L[1][b] + L[a][2] * L[2][b];
       F[a][b] = (a == b ? 1 : 0) + time * L[a][b] + 0.5 * time * time * LL;
     }
-  const SymTensor<double> longer = rotate(F, S);
+  const SymTensor<double> longer = transformed(F, S);
   return std::min(1.0, longest * longest / trace(longer)) * longer;
 }
 
