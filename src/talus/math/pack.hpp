@@ -193,8 +193,8 @@ TALUS_HD Pack lanewise(F f, Pack x) {
   return x;
 }
 
-/// Calls f(k) for the constants k from 0 to n - 1. With a variable in their place the compiler keeps in memory what k is an index of, and
-/// doesn't leave out what is not used.
+/// Calls f(k) for the constants k from 0 to n - 1. Structs whose numbers are taken by constants stay in registers, and numbers that
+/// are not used are left out.
 template <std::size_t n, class F>
 TALUS_HD void for_constants(F f) {
   [&]<std::size_t... k>(std::index_sequence<k...>) { (f(std::integral_constant<std::size_t, k>()), ...); }

@@ -121,10 +121,11 @@ struct ParticlesView {
     for (int c = layout.begin(begin); c < layout.begin(end); ++c) fetch_ahead(columns[c] + first);
   }
 
-  /// Positions of `count` particles from `first` on, at most four [m], one pack for each axis.
-  TALUS_HD FourPlaces<Dim> places(int first, int count) const {
-    FourPlaces<Dim> x;
-    for (int a = 0; a < Dim; ++a) x[a] = load<Quad>(position(a) + first, count);
+  /// Positions of `count` particles from `first` on, at most as many as R holds [m], one pack for each axis.
+  template <Number R = Quad>
+  TALUS_HD std::array<R, Dim> places(int first, int count) const {
+    std::array<R, Dim> x;
+    for (int a = 0; a < Dim; ++a) x[a] = load<R>(position(a) + first, count);
     return x;
   }
 };

@@ -17,7 +17,7 @@ struct ScratchView {
   double *mean_share, *mean_p;     ///< of the particle's cell
   double *mean_per_p, *mean_rate;  ///< of the particle's cell: compression over the mean pressure it causes, tr L
   double* filling;                 ///< of the nodes around the particle, see `find_filling`
-  int* cell;                       ///< of the particle, in its tile
+  double* cell;                    ///< number of the particle's cell in its tile
   double* velocity[3] = {};        ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
   TALUS_HD Tensor<double> gradient_of(int i) const {
@@ -34,10 +34,8 @@ class Scratch {
   /// With room for n particles.
   ScratchView view(int n) {
     n += widest_pack;  // the last pack may extend beyond the last particle
-    if (n > int(cell_.size())) {
+    if (n > int(rows_[0].size()))
       for (auto& row : rows_) row.assign(std::size_t(n), 0.0);
-      cell_.resize(std::size_t(n));
-    }
     ScratchView v;
     double* rows[n_rows];
     for (int r = 0; r < n_rows; ++r) rows[r] = rows_[r].data();
@@ -53,14 +51,13 @@ class Scratch {
     v.mean_per_p = rows[21];
     v.mean_rate = rows[22];
     v.filling = rows[23];
-    v.cell = cell_.data();
+    v.cell = rows[24];
     return v;
   }
 
  private:
-  static constexpr int n_rows = 24;
+  static constexpr int n_rows = 25;
   std::vector<double> rows_[n_rows];
-  std::vector<int> cell_;
 };
 
 }  // namespace talus

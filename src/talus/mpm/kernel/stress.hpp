@@ -25,18 +25,19 @@ struct StressUpdate {
 /// Material rests below this share of sqrt(g h), the speed of free fall over half a cell.
 inline constexpr double share_of_rest = 0.1;
 
-/// Finds the cells of a tile that four places lie in; places beside the tile count as in its nearest cell.
+/// Finds the cells of a tile that places lie in; places beside the tile count as in its nearest cell.
 template <int Dim>
 struct CellFinder {
   Vec<Dim> origin;    ///< of the grid [m]
   double per_length;  ///< cells per metre
   Index<Dim> tile;
 
-  TALUS_HD Quad at(const FourPlaces<Dim>& x) const {
-    Quad cell(0.0);
+  template <Number R>
+  TALUS_HD R at(const std::array<R, Dim>& x) const {
+    R cell(0.0);
     for (int a = Dim - 1; a >= 0; --a) {
-      const Quad in_tile = floor(Quad(per_length) * (x[a] - Quad(origin[a]))) - Quad(tile_edge * tile[a]);
-      cell = Quad(tile_edge) * cell + max(Quad(0.0), min(in_tile, Quad(tile_edge - 1)));
+      const R in_tile = floor(R(per_length) * (x[a] - R(origin[a]))) - R(tile_edge * tile[a]);
+      cell = R(tile_edge) * cell + max(R(0.0), min(in_tile, R(tile_edge - 1)));
     }
     return cell;
   }
@@ -52,14 +53,23 @@ TALUS_HD Tensor<R> load_gradient(const ScratchView& s, int i) {
   return L;
 }
 
-/// Calls f(i, states, volumes) for every pack of a tile's particles, from particle i of the tile on.
+/// Place of a pack of particles: in the tile, among all particles, and how many of the lanes hold one.
+struct PackPlace {
+  int i, first, count;
+};
+template <Number R>
+TALUS_HD PackPlace place_of(const RowRange& tile, int i) {
+  return {i, tile.begin + i, tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>};
+}
+
+/// Calls f(place, states, volumes) for every pack of a tile's particles.
 template <Number R, class Law, int Dim, class F>
 TALUS_HD void for_each_pack(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile, F f) {
   using State = typename Law::template State<R>;
   for (int i = 0; i < tile.size(); i += width_of<R>) {
-    const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
-    const State state = load_states<R, State>(particles, first, count);
-    f(i, state, load<R>(particles.reference_volume() + first, count) * law.specific_volume(state));
+    const PackPlace at = place_of<R>(tile, i);
+    const State state = load_states<R, State>(particles, at.first, at.count);
+    f(at, state, load<R>(particles.reference_volume() + at.first, at.count) * law.specific_volume(state));
   }
 }
 
@@ -89,6 +99,16 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   constexpr int n_cells = power(tile_edge, Dim);
   const int n = tile.size();
   static_assert(n_cells % width_of<R> == 0);
+  for_each_pack<R>(law, particles, tile, [&](const PackPlace& at, const auto& state, R volume) {
+    store(&s.cell[at.i], cells.at(particles.template places<R>(at.first, at.count)));
+    store(&s.volume[at.i], volume);
+    if constexpr (of_pressure) {
+      const R x = contacts(law).compression(contacts(state));
+      store(&s.share[at.i], share_of_mean(contacts(law), x));
+      store(&s.p[at.i], contacts(law).pressure_at(x));
+    }
+  });
+  for (int i = n; i % 4 != 0; ++i) s.cell[i] = s.cell[n - 1];
   // Volume, and its products with the rate, the share and the pressure above that of open material, so that a cell is open where
   // all of its particles are. One particle in four adds to the same numbers: neighbours stand in one cell, and would wait for
   // each other.
@@ -97,7 +117,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   if constexpr (of_pressure) open = contacts(law).open_pressure();
   for (int i = 0; i < n; i += 4) {
     const int count = n - i < 4 ? n - i : 4;
-    const Quad cell = cells.at(particles.places(tile.begin + i, count)), volume = load<Quad>(&s.volume[i]);
+    const Quad volume = load<Quad>(&s.volume[i]);
     Quad rate(0.0), added[4];
     for (int a = 0; a < 3; ++a) rate += load<Quad>(&s.gradient[a][a][i]);
     added[0] = volume;
@@ -106,8 +126,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     added[3] = of_pressure ? volume * (load<Quad>(&s.p[i]) - Quad(open)) : Quad(0.0);
     transpose(added);
     for (int lane = 0; lane < count; ++lane) {
-      const int c = s.cell[i + lane] = int(cell[lane]);
-      store(sums[lane][c], load<Quad>(sums[lane][c]) + added[lane]);
+      double* const sum = sums[lane][int(s.cell[i + lane])];
+      store(sum, load<Quad>(sum) + added[lane]);
     }
   }
   for (int c = 0; c < n_cells; ++c) {
@@ -128,7 +148,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     }
   for (int i = 0; i < n || i % width_of<R> != 0; i += 4) {  // lanes behind the last particle repeat it
     Quad mean[4];
-    for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[s.cell[i + lane < n ? i + lane : n - 1]]);
+    for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[int(s.cell[i + lane])]);
     transpose(mean);
     store(&s.mean_rate[i], mean[1]);
     if constexpr (of_pressure) {
@@ -192,14 +212,14 @@ TALUS_HD R gap_of_rest(R gap, double fallen) {
 /// Closes gaps where material is slower than `how.rest_speed`, except gaps spanned by cohesion. Returns where the last gap has
 /// closed in material without stress.
 template <Number R, class Contacts, int Dim>
-TALUS_HD mask_t<R> close_gaps(const Contacts& law, const ParticlesView<Dim>& particles, int first, int count,
+TALUS_HD mask_t<R> close_gaps(const Contacts& law, const ParticlesView<Dim>& particles, const PackPlace& at,
                               const StressUpdate& how, typename Contacts::template State<R>& state) {
   const R zero(0.0), x = law.compression(state);
   mask_t<R> closes = x < zero;
   if (!any(closes)) return closes;
   R speed2(0.0);
   for (int a = 0; a < Dim; ++a) {
-    const R v = load<R>(particles.velocity(a) + first, count);
+    const R v = load<R>(particles.velocity(a) + at.first, at.count);
     speed2 += v * v;
   }
   closes = closes & (speed2 < R(how.rest_speed * how.rest_speed)) & !(law.pressure_at(x) < zero);
@@ -215,7 +235,7 @@ TALUS_HD mask_t<R> close_gaps(const Contacts& law, const ParticlesView<Dim>& par
 /// A pack of particles on its way through a step.
 template <Number R, class Law>
 struct PackInStep {
-  int i, first, count;         ///< place in the tile, first particle, and how many of the lanes hold one
+  PackPlace at;
   R reference_volume, volume;  ///< [m3]; after the step
   typename Law::template State<R> state;
   Motion<R> motion;
@@ -245,14 +265,11 @@ struct TileInStep {
 
 /// Reads a pack, turns it by the spin, and gives it the strain of the step and the mean pressure of its cell.
 template <Number R, bool f_bar, class Law, int Dim>
-TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, int i, PackInStep<R, Law>& pack) {
+TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, const PackPlace& at, PackInStep<R, Law>& pack) {
   using talus::select;  // laws have another `select` in `detail`
   const auto& [law, particles, tile, cells, how, s, averages] = step;
-  const int first = tile.begin + i, count = tile.size() - i < width_of<R> ? tile.size() - i : width_of<R>;
   const R dt(how.dt);
-  pack.i = i;
-  pack.first = first;
-  pack.count = count;
+  const auto& [i, first, count] = pack.at = at;
   auto& state = pack.state;
   state = load_states<R, typename Law::template State<R>>(particles, first, count);
   R reference_volume = load<R>(particles.reference_volume() + first, count);
@@ -319,7 +336,7 @@ TALUS_HD R return_to_own(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& p
     factor = pressed.energy_factor(grains);
   }
   if (step.how.closing > 0)
-    pack.response.outcome = select(close_gaps<R>(pressed, step.particles, pack.first, pack.count, step.how, grains),
+    pack.response.outcome = select(close_gaps<R>(pressed, step.particles, pack.at, step.how, grains),
                                    R(double(Outcome::zero_pressure)), pack.response.outcome);
   const R own = pressed.compression(grains), v = law.specific_volume(pack.state);
   const R stored = factor * (pressed.stored_in_compression(own, pressed.pressure_at(own)) + shear);
@@ -334,7 +351,7 @@ TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pac
   using talus::select;  // laws have another `select` in `detail`
   const auto& [law, particles, tile, cells, how, s, averages] = step;
   const R zero(0.0), dt(how.dt);
-  const int i = pack.i;
+  const auto& [i, first, count] = pack.at;
   R stored(0.0);  // J/m3
   if (!averages) {
     stored = law.elastic_energy(pack.state);
@@ -346,10 +363,10 @@ TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pac
       total.averaging += pack.averaging;
     }
   }
-  store_states<R>(particles, pack.first, pack.count, pack.state);
+  store_states<R>(particles, first, count, pack.state);
 
   const Response<R>& response = pack.response;
-  const R volume = pack.volume, mass = load<R>(particles.mass() + pack.first, pack.count);
+  const R volume = pack.volume, mass = load<R>(particles.mass() + first, count);
   SymTensor<R> flux = volume * Law::total_stress(pack.state);
   if constexpr (StiffensFromNothing<Law>) {
     if (how.bulk_viscosity > 0) {
@@ -393,21 +410,9 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
   using namespace detail;
   const int n = tile.size();
   const bool averages = !f_bar && how.average_pressure && AveragesPressure<Law>;
-  if constexpr (AveragesPressure<Law>) {
-    if (averages) {
-      for_each_pack<R>(law, particles, tile, [&](int i, const auto& state, R volume) {
-        const R x = contacts(law).compression(contacts(state));
-        store(&s.share[i], share_of_mean(contacts(law), x));
-        store(&s.p[i], contacts(law).pressure_at(x));
-        store(&s.volume[i], volume);
-      });
-      average_over_cells<R, true>(law, particles, tile, cells, s);
-    }
-  }
-  if constexpr (f_bar) {
-    for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
-    average_over_cells<R, false>(law, particles, tile, cells, s);
-  }
+  if constexpr (AveragesPressure<Law>)
+    if (averages) average_over_cells<R, true>(law, particles, tile, cells, s);
+  if constexpr (f_bar) average_over_cells<R, false>(law, particles, tile, cells, s);
   const TileInStep<Law, Dim> step{law, particles, tile, cells, how, s, averages};
   PackSums<R> total;
   constexpr int width = width_of<R>, at_once = packs_at_once<R, Law>;
@@ -416,7 +421,7 @@ TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Di
     const auto for_each = [&](auto part) {
       for (int k = 0; k < at_once && first + k * width < n; ++k) part(packs[k], first + k * width);
     };
-    for_each([&](auto& pack, int i) { begin_step<R, f_bar>(step, i, pack); });
+    for_each([&](auto& pack, int i) { begin_step<R, f_bar>(step, place_of<R>(tile, i), pack); });
     for_each([&](auto& pack, int) { pack.response = law.update(pack.state, pack.motion, how.integration); });
     for_each([&](auto& pack, int) { end_step(step, pack, total); });
   }
@@ -460,9 +465,9 @@ TALUS_HD double open_sparse(const Law& law, const ParticlesView<Dim>& particles,
 template <Number R, class Law, int Dim>
 TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                              const ScratchView& s) {
-  detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto& state, R volume) {
+  detail::for_each_pack<R>(law, particles, tile, [&](const auto& at, const auto& state, R volume) {
     const SymTensor<R> flux = volume * law.total_stress(state);
-    for (int c = 0; c < 6; ++c) store(&s.flux[c][i], flux[c]);
+    for (int c = 0; c < 6; ++c) store(&s.flux[c][at.i], flux[c]);
   });
 }
 
@@ -470,7 +475,8 @@ TALUS_HD void present_stress(const Law& law, const ParticlesView<Dim>& particles
 template <Number R, class Law, int Dim>
 TALUS_HD void present_volumes(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
                               const ScratchView& s) {
-  detail::for_each_pack<R>(law, particles, tile, [&](int i, const auto&, R volume) { store(&s.volume[i], volume); });
+  detail::for_each_pack<R>(law, particles, tile,
+                           [&](const auto& at, const auto&, R volume) { store(&s.volume[at.i], volume); });
 }
 
 }  // namespace talus
