@@ -48,7 +48,7 @@ struct CohesiveFriction : Elasticity {
   /// Trial deviator s of an elastic strain.
   template <Number R>
   TALUS_HD SymTensor<R> trial_deviator(const State<R>& state, const SymTensor<R>& strain) const {
-    return deviator(state.stress) + R(2 * shear_modulus()) * deviator(strain);
+    return multiply_add(R(2 * shear_modulus()), deviator(strain), deviator(state.stress));
   }
 
   /// Updates a state by a strain increment. The slopes are of type R, or double if they are the same for all points.

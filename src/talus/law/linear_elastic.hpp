@@ -39,7 +39,8 @@ struct LinearElastic : Elasticity {
     const SymTensor<R> old_flux = before * state.stress, increment = stress_increment(motion.strain);
     const R stored = per_volume * before * energy_density(state.stress);
     state.stress = is_cauchy ? state.stress + increment : per_volume * (old_flux + increment);
-    const R work = R(0.5) * per_volume * double_dot(old_flux + state.volume_ratio * state.stress, motion.strain);
+    const R work =
+        R(0.5) * per_volume * double_dot(multiply_add(state.volume_ratio, state.stress, old_flux), motion.strain);
     const R not_stored = is_cauchy ? work + stored - energy_density(state.stress) : zero;
     return {
         R(double(Outcome::elastic)), R(wave_modulus()) * (is_cauchy ? one : per_volume), zero, work, not_stored, zero};

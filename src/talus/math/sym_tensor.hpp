@@ -43,6 +43,19 @@ struct SymTensor {
   bool operator==(const SymTensor&) const = default;
 };
 
+/// s a + b
+template <class R>
+TALUS_HD SymTensor<R> multiply_add(R s, const SymTensor<R>& a, const SymTensor<R>& b) {
+  return {multiply_add(s, a.xx, b.xx), multiply_add(s, a.yy, b.yy), multiply_add(s, a.zz, b.zz),
+          multiply_add(s, a.xy, b.xy), multiply_add(s, a.yz, b.yz), multiply_add(s, a.zx, b.zx)};
+}
+
+/// a + b I
+template <class R>
+TALUS_HD SymTensor<R> add_isotropic(const SymTensor<R>& a, R b) {
+  return {a.xx + b, a.yy + b, a.zz + b, a.xy, a.yz, a.zx};
+}
+
 template <class R>
 TALUS_HD R trace(const SymTensor<R>& a) {
   return a.xx + a.yy + a.zz;

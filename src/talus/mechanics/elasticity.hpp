@@ -20,7 +20,7 @@ struct Elasticity {
   /// Stress increment due to a strain: K tr(eps) I + 2 G e.
   template <class R>
   TALUS_HD SymTensor<R> stress_increment(const SymTensor<R>& strain) const {
-    return SymTensor<R>::isotropic(R(bulk_modulus()) * trace(strain)) + R(2 * shear_modulus()) * deviator(strain);
+    return add_isotropic(R(2 * shear_modulus()) * deviator(strain), R(bulk_modulus()) * trace(strain));
   }
   /// p^2/(2 K) + q^2/(6 G) [J/m3]
   template <class R>

@@ -24,7 +24,7 @@ TALUS_HD R volumetric_compression(const SymTensor<R>& strain) {
 /// The stress with deviator s and pressure p.
 template <class R>
 TALUS_HD SymTensor<R> stress_from(const SymTensor<R>& s, R p) {
-  return {s.xx - p, s.yy - p, s.zz - p, s.xy, s.yz, s.zx};
+  return add_isotropic(s, -p);
 }
 
 /// Tension-positive to compression-positive, or back: how element tests are given and reported.
@@ -36,8 +36,7 @@ TALUS_HD SymTensor<R> opposite_sign(const SymTensor<R>& a) {
 /// s = a - tr(a)/3 I
 template <class R>
 TALUS_HD SymTensor<R> deviator(const SymTensor<R>& a) {
-  const R mean = trace(a) * R(1.0 / 3.0);
-  return {a.xx - mean, a.yy - mean, a.zz - mean, a.xy, a.yz, a.zx};
+  return add_isotropic(a, pressure(a));
 }
 
 /// q = sqrt(3/2 s:s) [Pa], from the deviator s.

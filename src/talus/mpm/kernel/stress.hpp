@@ -281,7 +281,7 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, const PackPlace& at, 
     Law::turn(state, incremental_plane_rotation(L, how.dt));
   else
     Law::turn(state, incremental_rotation(L, how.dt));
-  if (f_bar || averages) rate = rate + SymTensor<R>::isotropic((load<R>(&s.mean_rate[i]) - trace(rate)) * R(1.0 / 3.0));
+  if (f_bar || averages) rate = add_isotropic(rate, (load<R>(&s.mean_rate[i]) - trace(rate)) * R(1.0 / 3.0));
   if constexpr (AveragesPressure<Law>) {
     if (averages) {
       const auto& pressed = contacts(law);
