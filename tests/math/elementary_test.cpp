@@ -25,6 +25,29 @@ TEST(Elementary, ExpIsWithinFourUlpOverItsRange) {
   EXPECT_LE(worst, 4);
 }
 
+TEST(Elementary, ExpOfSmallIsWithinOneUlpOfSmallNumbersAndExpBeyond) {
+  std::mt19937_64 random(5);
+  double worst = 0;
+  for (int i = 0; i < 1000000; ++i) {
+    const double x = std::uniform_real_distribution<>(-0x1p-8, 0x1p-8)(random) * (i % 2 == 0 ? 1 : 1e-3);
+    worst = std::max(worst, ulps(exp_of_small(x), std::exp(static_cast<long double>(x))));
+    const double beyond = x + std::copysign(0x1p-8, x);
+    EXPECT_EQ(exp_of_small(beyond), talus::exp(beyond));
+  }
+  EXPECT_LE(worst, 1);
+}
+
+TEST(Elementary, ExpOfSmallOfAPackWithLargeNumbersGivesTheBitsOfSingleNumbers) {
+  std::mt19937_64 random(6);
+  for (int i = 0; i < 10000; ++i) {
+    Pack x;
+    for (int lane = 0; lane < pack_width; ++lane)
+      x.set(lane, std::uniform_real_distribution<>(-1, 1)(random) * (lane % 3 == 0 && i % 2 == 0 ? 1 : 0x1p-8));
+    const Pack e_x = exp_of_small(x);
+    for (int lane = 0; lane < pack_width; ++lane) EXPECT_EQ(e_x[lane], exp_of_small(x[lane]));
+  }
+}
+
 TEST(Elementary, LogIsWithinFourUlpOverItsRange) {
   std::mt19937_64 random(2);
   double worst = 0;
@@ -72,6 +95,7 @@ TEST(Elementary, PacksGiveTheBitsOfSingleNumbers) {
 
 TEST(Elementary, ExactWhereItMustBe) {
   EXPECT_EQ(talus::exp(0.0), 1);
+  EXPECT_EQ(exp_of_small(0.0), 1);
   EXPECT_EQ(talus::log(1.0), 0);
 }
 
@@ -80,6 +104,7 @@ TEST(Elementary, OutsideTheRangeTheEndsHoldAndNotANumberStays) {
   EXPECT_EQ(talus::exp(1e6), talus::exp(709.0));
   EXPECT_EQ(talus::exp(-infinity), talus::exp(-708.0));
   EXPECT_TRUE(std::isnan(talus::exp(nan)));
+  EXPECT_TRUE(std::isnan(exp_of_small(nan)));
   EXPECT_TRUE(std::isnan(talus::log(nan)));
   EXPECT_TRUE(std::isnan(talus::log(infinity)));
   EXPECT_EQ(talus::log(0.0), talus::log(std::numeric_limits<double>::min()));

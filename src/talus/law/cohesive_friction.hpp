@@ -80,7 +80,7 @@ struct CohesiveFriction : Elasticity {
     const R dilating = select(carries, R(0.5) * (p_before + p) * R(M_psi), zero) * dkappa;
     const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
     const R work = elastic_work(p_before, p) + R(0.5) * double_dot(s_before + s, strain) - dilating + opened;
-    const R volume_ratio = state.volume_ratio * exp(trace(strain));
+    const R volume_ratio = state.volume_ratio * exp_of_small(trace(strain));
     const R plastic_work = R(0.5) * (q_before + q) * dkappa - dilating + opened + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};
     return {outcome_of(carries, dkappa > zero, w < R(closed())), stiffness_at(w_end), zero, work, plastic_work, zero};
@@ -158,7 +158,7 @@ struct CohesiveFriction : Elasticity {
     const R old = pressure(state.stress) - R(apex);
     const R scale = select(old > R(0.0), (p - R(apex)) / max(old, R(1e-300)), R(0.0));
     state.stress = stress_from(scale * deviator(state.stress), p);
-    state.volume_ratio = state.volume_ratio * exp(state.compression - w);
+    state.volume_ratio = state.volume_ratio * exp_of_small(state.compression - w);
     state.compression = w;
     return scale;
   }

@@ -141,7 +141,7 @@ struct GranularRate {
     const R zero(0.0), one(1.0);
     const SymTensor<R> D = deviator(motion.strain_rate), before = state.collisional;
     const R g = shear_rate(D);
-    const R volume = specific_volume(state) * exp(trace(motion.strain));  // after the step
+    const R volume = specific_volume(state) * exp_of_small(trace(motion.strain));  // after the step
     const R A = rate_of_flow(g), f = momentum_exchange(one / volume, A), pressing = R(pressure_share()) * f * g * g;
 
     const RisingFriction<R> friction{A, pressing, collisional.I_0, gain};

@@ -34,7 +34,7 @@ struct LinearElastic : Elasticity {
     const R zero = R(0.0), one = R(1.0);
     const bool is_cauchy = measure == StressMeasure::cauchy;
     const R before = state.volume_ratio;
-    state.volume_ratio = before * exp(trace(motion.strain));
+    state.volume_ratio = before * exp_of_small(trace(motion.strain));
     const R per_volume = one / state.volume_ratio;
     const SymTensor<R> old_flux = before * state.stress, increment = stress_increment(motion.strain);
     const R stored = per_volume * before * energy_density(state.stress);

@@ -76,7 +76,7 @@ struct LocalMuI : CohesiveFriction {
     const SymTensor<R> s_before = deviator(state.stress), s = tau / max(tau_trial, R(1e-300)) * s_trial;
     const R tau_before = R(0.5) * double_dot(s_before, s_trial) / max(tau_trial, R(1e-300));
     const R work = elastic_work(pressure(state.stress), p) + R(0.5) * double_dot(s_before + s, motion.strain);
-    const R volume_ratio = state.volume_ratio * exp(trace(motion.strain));
+    const R volume_ratio = state.volume_ratio * exp_of_small(trace(motion.strain));
     const R plastic_work = R(0.5) * (tau_before + tau) * shear + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w, state.kappa + R(1 / std::numbers::sqrt3) * shear, volume_ratio};
     return {outcome_of(carries, yields, w < zero), stiffness_at(w), zero, work, plastic_work, zero};

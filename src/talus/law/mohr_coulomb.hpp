@@ -92,7 +92,7 @@ struct MohrCoulomb : CohesiveFriction {
     const R dilating = select(carries, R(0.5) * (p_before + p) * (w_end - w), zero);
     const R opened = R(apex) * (min(w_end, R(closed())) - min(state.compression, R(closed())));
     const R work = elastic_work(p_before, p) + double_dot(mean, strain) - dilating + opened;
-    const R volume_ratio = state.volume_ratio * exp(trace(strain));
+    const R volume_ratio = state.volume_ratio * exp_of_small(trace(strain));
     const R plastic_work =
         R(1 / (2 * G)) * double_dot(mean, s_trial - s) - dilating + opened + lost_to_volume(state, volume_ratio);
     state = {stress_from(s, p), w_end, state.kappa + dkappa, volume_ratio};

@@ -162,7 +162,7 @@ struct MuI {
 
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
-    state.void_ratio = (R(1.0) + state.void_ratio) * exp(trace(motion.strain)) - R(1.0);
+    state.void_ratio = (R(1.0) + state.void_ratio) * exp_of_small(trace(motion.strain)) - R(1.0);
     const R p_f = state.history.p_f, zero = R(0.0);
     Collision<R> c;
     if (form == CollisionalForm::total) {

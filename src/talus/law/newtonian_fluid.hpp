@@ -35,7 +35,8 @@ struct NewtonianFluid {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const R zero(0.0);
-    const R stored_before = elastic_energy(state) * exp(-trace(motion.strain));  // of the present unit of volume
+    // Of the present unit of volume.
+    const R stored_before = elastic_energy(state) * exp_of_small(-trace(motion.strain));
     state.compression = state.compression - trace(motion.strain);
     const mask_t<R> closed = state.compression > zero;
     const R viscosity = select(closed, R(eta), zero);

@@ -27,7 +27,7 @@ TALUS_HD Trial<R> try_elastic(const Simsand& law, const Simsand::State<R>& state
   const mask_t<R> touched = state.x >= zero;
   const R beyond_gap = state.x * R(law.derived.gap_per_growth) + D_v;  // where a gap was open
   Trial<R> t;
-  t.e = (one + state.skeleton_void_ratio) * exp(-select(touched, D_v, beyond_gap)) - one;
+  t.e = (one + state.skeleton_void_ratio) * exp_of_small(-select(touched, D_v, beyond_gap)) - one;
   const R room = law.room_for_growth(t.e), per_both = one / (room * (one + t.e));
   t.a = room * room * per_both;
   t.per_a = (one + t.e) * (one + t.e) * per_both;
