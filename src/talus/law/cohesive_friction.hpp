@@ -180,6 +180,8 @@ struct CohesiveFriction : Elasticity {
     return State<double>{initial.stress, p / bulk_modulus(), initial.kappa.value_or(0.0), 1};
   }
 
+  static constexpr bool viscous_stress = false;
+
   /// Errors of the parameters together.
   std::optional<Fault> fault() const {
     if (psi > phi) return Fault{"psi", "must not exceed phi: such a material would create energy"};

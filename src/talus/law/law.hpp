@@ -17,6 +17,7 @@
 ///   grain_diameter()          [m]; default of the thickness at the edge of a deposit
 ///   void_ratios               permitted Range of initial void ratios, which the input must give
 ///   lasting_contacts          false if the law carries no stress at rest; the input then has no initial stress
+///   viscous_stress            false if neither viscosity nor collisions contribute to the stress
 ///   remembers_strain_rate     true if the state holds the last strain rate
 ///   controls_error            true if modified_euler keeps its tolerance for steps of any length
 ///   fault()                   error of the parameters together
@@ -112,6 +113,12 @@ concept HasVoidRatio = std::same_as<std::remove_cvref_t<decltype(Law::void_ratio
 template <class Law>
 concept HasLastingContacts = !requires {
   requires !Law::lasting_contacts;
+};
+
+/// A law whose response may have a viscosity and collisional work (the default).
+template <class Law>
+concept HasViscousStress = !requires {
+  requires !Law::viscous_stress;
 };
 
 /// A law whose state has the last strain rate, so that its stress depends on the history of the rate.

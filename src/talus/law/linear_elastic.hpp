@@ -70,6 +70,7 @@ struct LinearElastic : Elasticity {
 
   /// Neighbouring particles stay neighbours: their distance is strain.
   static constexpr bool keeps_neighbours = true;
+  static constexpr bool viscous_stress = false;
   static constexpr std::string_view name = "linear_elastic";
   static constexpr std::string_view meaning = "isotropic linear elasticity";
   static std::span<const ParameterOf<LinearElastic>> parameters();

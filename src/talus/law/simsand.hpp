@@ -271,6 +271,7 @@ struct Simsand {
 
   static constexpr Range void_ratios = Range::inside(0, 2.97);  ///< where the stiffness is positive (Eq. 4)
   static constexpr bool controls_error = true;
+  static constexpr bool viscous_stress = false;
   static constexpr std::string_view name = "simsand";
   static constexpr std::string_view meaning = "critical-state sand model for enduring contacts (Eqs. 2-11)";
   static std::span<const ParameterOf<Simsand>> parameters();

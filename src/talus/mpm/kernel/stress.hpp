@@ -385,13 +385,15 @@ TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pac
   // work is numerical dissipation.
   total.internal_work += volume * response.work;
   total.plastic_work += volume * response.plastic_work;
-  total.collisional_work += volume * response.collisional_work;
+  if constexpr (HasViscousStress<Law>) {
+    total.collisional_work += volume * response.collisional_work;
+    if (any(response.viscosity > zero)) total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
+  }
   if constexpr (MayReturnWork<Law>)
     total.returned_work +=
         volume * dt *
         max(zero, zero - collisional_dissipation(Law::collisional_stress(pack.state), pack.motion.strain_rate));
   store(&s.stiffness[i], volume * response.stiffness);
-  if (any(response.viscosity > zero)) total.viscosity = max(total.viscosity, volume * response.viscosity / mass);
   const auto ones = [&](Outcome outcome) {
     return select((response.outcome == R(double(outcome))) & (volume > zero), R(1.0), zero);
   };
