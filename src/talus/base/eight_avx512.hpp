@@ -62,21 +62,6 @@ inline void write_first(EightDoubles x, int count, double* column) {
   _mm512_mask_storeu_pd(column, first_lanes(count), x);
 }
 
-/// Numbers of lanes, one in each lane.
-typedef long long EightIndices __attribute__((vector_size(64)));
-inline EightIndices indices_of(EightDoubles x) {
-  return reinterpret_cast<EightIndices>(_mm512_maskz_cvttpd_epi64(all_eight, x));
-}
-inline EightDoubles pick(EightDoubles from, EightIndices lanes) {
-  return _mm512_maskz_permutexvar_pd(all_eight, reinterpret_cast<__m512i>(lanes), from);
-}
-inline EightDoubles pick(EightDoubles from, EightDoubles behind, EightIndices lanes) {
-  return _mm512_permutex2var_pd(from, reinterpret_cast<__m512i>(lanes), behind);
-}
-inline EightIndices behind_eight(EightIndices lanes, EightMasks which) {
-  const __m512i x = reinterpret_cast<__m512i>(lanes);
-  return reinterpret_cast<EightIndices>(_mm512_mask_add_epi64(x, which.bits, x, _mm512_set1_epi64(8)));
-}
 inline void to_fours(EightDoubles& a, EightDoubles& b, EightDoubles& c, EightDoubles& d) {
   const EightDoubles ab = __builtin_shufflevector(a, b, 0, 8, 1, 9, 2, 10, 3, 11);
   const EightDoubles ab_behind = __builtin_shufflevector(a, b, 4, 12, 5, 13, 6, 14, 7, 15);
@@ -97,6 +82,5 @@ inline void from_fours(EightDoubles& a, EightDoubles& b, EightDoubles& c, EightD
   c = __builtin_shufflevector(ab_behind, cd_behind, 0, 1, 2, 3, 8, 9, 10, 11);
   d = __builtin_shufflevector(ab_behind, cd_behind, 4, 5, 6, 7, 12, 13, 14, 15);
 }
-inline unsigned bits_of_masks(EightMasks m) { return m.bits; }
 
 }  // namespace talus

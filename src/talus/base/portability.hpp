@@ -164,7 +164,6 @@ using PackDoubles = Two<EightDoubles>;
 #else
 using EightDoubles = Two<FourDoubles>;
 using PackDoubles = EightDoubles;
-using EightIndices = EightLanes;
 #endif
 
 /// Asks for a line of memory that is needed soon, at any address.

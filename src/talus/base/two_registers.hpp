@@ -141,38 +141,6 @@ TALUS_HD void write_first(Two<R> x, int count, double* column) {
 
 // For eight lanes, in two registers as they stand in one:
 
-/// Numbers of lanes.
-struct EightLanes {
-  int at[8];
-};
-template <class R>
-TALUS_HD EightLanes indices_of(Two<R> x) {
-  EightLanes lanes{};
-  for (int i = 0; i < 8; ++i) lanes.at[i] = int(x[i]);
-  return lanes;
-}
-/// Numbers larger by eight, in some lanes.
-template <class M>
-TALUS_HD EightLanes behind_eight(EightLanes lanes, Two<M> which) {
-  for (int i = 0; i < 8; ++i) lanes.at[i] += which[i] != 0 ? 8 : 0;
-  return lanes;
-}
-/// The lanes with these numbers of one, or of two one behind the other.
-template <class R>
-TALUS_HD Two<R> pick(Two<R> from, const EightLanes& lanes) {
-  Two<R> x{};
-  for (int i = 0; i < 8; ++i) set_number(x, i, from[lanes.at[i]]);
-  return x;
-}
-template <class R>
-TALUS_HD Two<R> pick(Two<R> from, Two<R> behind, const EightLanes& lanes) {
-  Two<R> x{};
-  for (int i = 0; i < 8; ++i) {
-    const int at = lanes.at[i];
-    set_number(x, i, at < 8 ? from[at] : behind[at - 8]);
-  }
-  return x;
-}
 /// Lanes 0 of a, b, c and d, lanes 1, and so on: eight times four numbers instead of four times eight; and back.
 template <class R>
 TALUS_HD void to_fours(Two<R>& a, Two<R>& b, Two<R>& c, Two<R>& d) {
@@ -186,11 +154,4 @@ TALUS_HD void from_fours(Two<R>& a, Two<R>& b, Two<R>& c, Two<R>& d) {
   Two<R>* const to[4] = {&a, &b, &c, &d};
   for (int i = 0; i < 32; ++i) set_number(*to[i % 4], i / 4, from[i / 8][i % 8]);
 }
-template <class M>
-TALUS_HD unsigned bits_of_masks(Two<M> m) {
-  unsigned bits = 0;
-  for (int i = 0; i < 8; ++i) bits |= unsigned(m[i] != 0) << i;
-  return bits;
-}
-
 }  // namespace talus

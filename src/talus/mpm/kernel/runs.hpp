@@ -26,34 +26,27 @@ namespace detail {
 enum Part { first_node, last_node, all_nodes };
 template <Part part>
 using PartConstant = std::integral_constant<Part, part>;
-/// The weight of a particle there.
-inline constexpr int weight_of_part[] = {0, 2};
 
-/// Some particles of a tile: their weights, and what each of them hands to nodes, `n_fours` times four numbers.
-template <int Dim, class Shape, int n_fours>
+/// Some particles of a tile: their weights, if `slopes` with slopes, and what each of them hands to nodes, `n_fours` times four
+/// numbers.
+template <int Dim, class Shape, bool slopes, int n_fours>
 struct Batch {
-  static constexpr int most = 32, edge = TileLayout<Dim, Shape>::window_edge;
-  alignas(64) double N[Dim][3][most], dN[Dim][3][most];
-  alignas(64) double node[most];  ///< the first one that a particle touches, in the window
+  static constexpr bool has_slopes = slopes;
+  static constexpr int most = batch_size, edge = TileLayout<Dim, Shape>::window_edge;
+  alignas(64) double N[Dim][2][most], dN[Dim][2][most];  ///< along each axis, at the first node and at the last
+  int node[most];                                        ///< the first one that a particle touches, in the window
   alignas(32) double fours[n_fours][most][4];
 
   /// Finds the weights of `count` particles, at most eight, from number i of the tile on, in place k.
   TALUS_INLINE void find_weights(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count,
                                  int k) {
-    using Layout = TileLayout<Dim, Shape>;
-    std::array<Octet, Dim> x;
-    for (int a = 0; a < Dim; ++a) x[a] = load<Octet>(points.particles.position(a) + points.range.begin + i, count);
-    x = domain.in_cells(x);
-    Octet flat(0.0);
-    for (int a = Dim - 1; a >= 0; --a) {
-      const auto w = points.shape.at(x[a]);
-      for (int j = 0; j < 3; ++j) {
-        store(&N[a][j][k], w.N[j]);
-        store(&dN[a][j][k], w.dN[j]);
+    const auto w = weights_of_eight(points, domain, i, count);
+    for (int a = 0; a < Dim; ++a)
+      for (const Part part : {first_node, last_node}) {
+        store(&N[a][part][k], w.along[a].N[2 * part]);
+        if constexpr (slopes) store(&dN[a][part][k], w.along[a].dN[2 * part]);
       }
-      flat = Octet(edge) * flat + (w.first - Octet(tile_edge * points.tile[a] - Layout::below));
-    }
-    store(&node[k], flat);
+    for (int lane = 0; lane < 8; ++lane) node[k + lane] = int(w.first[lane]);
   }
   /// Puts four numbers of eight particles in place k.
   TALUS_INLINE void put(int which, const Octet (&numbers)[4], int k) {
@@ -66,8 +59,8 @@ struct Batch {
   }
   /// Four numbers of particle p.
   TALUS_INLINE Quad four(int which, int p) const { return load<Quad>(fours[which][p]); }
-  TALUS_INLINE Quad weight(int axis, Part part, int p) const { return Quad(N[axis][weight_of_part[part]][p]); }
-  TALUS_INLINE Quad slope(int axis, Part part, int p) const { return Quad(dN[axis][weight_of_part[part]][p]); }
+  TALUS_INLINE Quad weight(int axis, Part part, int p) const { return Quad(N[axis][part][p]); }
+  TALUS_INLINE Quad slope(int axis, Part part, int p) const { return Quad(dN[axis][part][p]); }
 };
 
 /// What three nodes have of a run, or a plane of them, from its sums for the first, the last and all.
@@ -94,8 +87,8 @@ struct LayerSums {
 };
 
 /// Sums what particles from `begin` to `end` of a batch hand to a layer, from `hand(p, by_N, by_dN)`: what particle p hands to the
-/// parts along the second axis, times N along the first and, with `slopes`, times dN.
-template <bool slopes, class Batch, class Hand>
+/// parts along the second axis, times N along the first and, with slopes, times dN.
+template <class Batch, class Hand>
 TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand hand) {
   LayerSums sums;
   for (auto& line : sums.of)
@@ -108,7 +101,7 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
         sums.of[j][part] = multiply_add(batch.weight(0, part, p), by_N[j], sums.of[j][part]);
       sums.of[j][all_nodes] += by_N[j];
     }
-    if constexpr (slopes)
+    if constexpr (Batch::has_slopes)
       for (int j = 0; j < 3; ++j)
         for (const Part part : {first_node, last_node})
           sums.of[j][part] = multiply_add(batch.slope(0, part, p), by_dN[j], sums.of[j][part]);
@@ -119,15 +112,15 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
 
 /// Adds the runs of the first `count` particles of a batch to a window, from `hand(part, p, by_N, by_dN)`: what particle p
 /// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all.
-template <bool slopes, int Dim, class Shape, int n_fours, NodeOfFour Node, class Hand>
-TALUS_INLINE void add_runs(const Batch<Dim, Shape, n_fours>& batch, int count, Node* window, Hand hand) {
+template <int Dim, class Shape, bool slopes, int n_fours, NodeOfFour Node, class Hand>
+TALUS_INLINE void add_runs(const Batch<Dim, Shape, slopes, n_fours>& batch, int count, Node* window, Hand hand) {
   constexpr int edge = TileLayout<Dim, Shape>::window_edge;
   for (int begin = 0, end = 0; begin < count; begin = end) {
     while (end < count && batch.node[end] == batch.node[begin]) ++end;
-    Node* const nodes = window + int(batch.node[begin]);
+    Node* const nodes = window + batch.node[begin];
     const auto layer = [&](auto part) {
-      return sum_up_layer<slopes>(batch, begin, end,
-                                  [&](int p, Quad(&by_N)[3], Quad(&by_dN)[3]) { hand(part, p, by_N, by_dN); });
+      return sum_up_layer(batch, begin, end,
+                          [&](int p, Quad(&by_N)[3], Quad(&by_dN)[3]) { hand(part, p, by_N, by_dN); });
     };
     if constexpr (Dim == 2) {
       layer(PartConstant<all_nodes>()).template add_to<edge>(nodes);
@@ -149,7 +142,7 @@ TALUS_FLATTEN void add_mass_and_momentum_in_runs(const TilePoints<Dim, Shape>& p
                                                  MassMomentum* window) {
   using namespace detail;
   const ParticlesView<Dim>& particles = points.particles;
-  Batch<Dim, Shape, 1> batch;
+  Batch<Dim, Shape, false, 1> batch;
   for (int begin = 0; begin < points.size(); begin += batch.most) {
     const int count = std::min(points.size() - begin, batch.most);
     for (int k = 0; k < count; k += 8) {
@@ -160,7 +153,7 @@ TALUS_FLATTEN void add_mass_and_momentum_in_runs(const TilePoints<Dim, Shape>& p
       for (int a = 0; a < Dim; ++a) numbers[a] = mass * load<Octet>(particles.velocity(a) + first, some);
       batch.put(0, numbers, k);
     }
-    add_runs<false>(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
+    add_runs(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
       Quad value = batch.four(0, p);
       if constexpr (layer != all_nodes) value *= batch.weight(2, layer, p);
       for (const Part part : {first_node, last_node}) by_N[part] = batch.weight(1, part, p) * value;
@@ -178,7 +171,7 @@ TALUS_FLATTEN void add_forces_in_runs(const TilePoints<Dim, Shape>& points, cons
   const Octet per_length(-1 / domain.h), zero(0.0);
   // Fluxes along the axes. The stiffness, which is multiplied with weights only, stands beside that along the third one, and so does
   // in the plane what pulls inwards.
-  Batch<Dim, Shape, 3> batch;
+  Batch<Dim, Shape, true, 3> batch;
   for (int begin = 0; begin < points.size();) {
     int count = 0;
     for (; count < batch.most && begin < points.size(); begin += 8) {
@@ -198,7 +191,7 @@ TALUS_FLATTEN void add_forces_in_runs(const TilePoints<Dim, Shape>& points, cons
       }
       count += some;
     }
-    add_runs<true>(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&by_dN)[3]) {
+    add_runs(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&by_dN)[3]) {
       Quad along_x = batch.four(0, p), along_y = batch.four(1, p), value = batch.four(2, p);
       const auto but_fourth = [](Quad three, Quad fourth) {
         return Quad(shuffle<0, 1, 2, 7>(three.lanes, fourth.lanes));

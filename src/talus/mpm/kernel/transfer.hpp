@@ -33,40 +33,32 @@ TALUS_HD NodeNumbers<Node> interpolate(const ParticleWeights<Dim, Shape>& w, con
   return sum;
 }
 
-/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell, from weights along the axes and `at(i, j, k)`: the value of node
-/// i of line j of layer k. Returns the sum of N_I value_I.
+/// What a particle has from a line of nodes along the first axis: the sum of N_i value_i, and of dN_i/dx value_i.
+template <class R>
+struct OfLine {
+  R value, slope;
+};
+
+/// Sum of value_I dN_I/dx_a for each axis a, in units of 1/cell, from weights along the other axes and `line(j, k)`: what line j of
+/// layer k gives. Returns the sum of N_I value_I.
 ///
 /// Weights add up to one and slopes to zero, so along each axis differences from one of the nodes do, with a product less
 /// each; where all nodes have the same value, slopes are exactly zero.
-template <class R, int Dim, int n, class At>
-TALUS_INLINE TALUS_HD R gradient_from(const R (&N)[Dim][n], const R (&dN)[Dim][n], At at, R (&slope)[Dim]) {
+template <class R, int Dim, int n, class Line>
+TALUS_INLINE TALUS_HD R gradient_from_lines(const R (&N)[Dim][n], const R (&dN)[Dim][n], Line line, R (&slope)[Dim]) {
   constexpr int middle = n / 2;
-  struct Line {
-    R value, x;
-  };
   struct Layer {
     R value, x, y;
   };
-  const auto line = [&](int j, int k) {
-    const R origin = at(middle, j, k);
-    Line sum{origin, R(0.0)};
-    for (int i = 0; i < n; ++i) {
-      if (i == middle) continue;
-      const R difference = at(i, j, k) - origin;
-      sum.value = multiply_add(N[0][i], difference, sum.value);
-      sum.x = multiply_add(dN[0][i], difference, sum.x);
-    }
-    return sum;
-  };
   const auto layer = [&](int k) {
-    const Line origin = line(middle, k);
-    Layer sum{origin.value, origin.x, R(0.0)};
+    const OfLine<R> origin = line(middle, k);
+    Layer sum{origin.value, origin.slope, R(0.0)};
     for (int j = 0; j < n; ++j) {
       if (j == middle) continue;
-      const Line other = line(j, k);
+      const OfLine<R> other = line(j, k);
       const R difference = other.value - origin.value;
       sum.value = multiply_add(N[1][j], difference, sum.value);
-      sum.x = multiply_add(N[1][j], other.x - origin.x, sum.x);
+      sum.x = multiply_add(N[1][j], other.slope - origin.slope, sum.x);
       sum.y = multiply_add(dN[1][j], difference, sum.y);
     }
     return sum;
@@ -95,7 +87,7 @@ TALUS_INLINE TALUS_HD R gradient_from(const R (&N)[Dim][n], const R (&dN)[Dim][n
   }
 }
 
-/// The same of a particle: column a of the gradient for each axis a.
+/// The same of a particle, from its nodes: column a of the gradient for each axis a.
 template <int Dim, class Shape, class Node>
 TALUS_HD NodeNumbers<Node> gradient(const ParticleWeights<Dim, Shape>& w, const Node* v,
                                     NodeNumbers<Node> (&columns)[Dim]) {
@@ -108,8 +100,20 @@ TALUS_HD NodeNumbers<Node> gradient(const ParticleWeights<Dim, Shape>& w, const 
       N[a][i] = R(w.N(a, i));
       dN[a][i] = R(w.dN(a, i));
     }
-  const auto at = [&](int i, int j, int k) { return load_node(v[i + edge * (j + edge * k)]); };
-  return gradient_from(N, dN, at, columns);
+  const auto line = [&](int j, int k) {
+    constexpr int middle = n / 2;
+    const Node* at = v + edge * (j + edge * k);
+    const R origin = load_node(at[middle]);
+    OfLine<R> sum{origin, R(0.0)};
+    for (int i = 0; i < n; ++i) {
+      if (i == middle) continue;
+      const R difference = load_node(at[i]) - origin;
+      sum.value = multiply_add(N[0][i], difference, sum.value);
+      sum.slope = multiply_add(dN[0][i], difference, sum.slope);
+    }
+    return sum;
+  };
+  return gradient_from_lines(N, dN, line, columns);
 }
 
 /// Adds N_I value to every node.

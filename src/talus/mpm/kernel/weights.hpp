@@ -7,25 +7,36 @@
 
 namespace talus {
 
-/// The weights of four particles, their places given in cells from the origin of the grid, at the nodes of their tile's window.
+/// The weights of several particles, each in a lane: along each axis, from their places in cells from the origin of the grid.
+template <class R, int Dim, class Shape>
+struct LaneWeights {
+  Weights<R, Shape::support> along[Dim];
+  R first{0.0};  ///< the first node that a particle touches, in the window of its tile
+
+  TALUS_INLINE TALUS_HD LaneWeights(const std::array<R, Dim>& x, const Index<Dim>& tile, const Shape& shape) {
+    using Layout = TileLayout<Dim, Shape>;
+    for (int a = Dim - 1; a >= 0; --a) {
+      along[a] = shape.at(x[a]);
+      first = R(Layout::window_edge) * first + (along[a].first - R(tile_edge * tile[a] - Layout::below));
+    }
+  }
+};
+
+/// The weights of four particles at the nodes of their tile's window.
 template <int Dim, class Shape>
 struct FourWeights {
   static constexpr int n = Shape::support;
   alignas(Quad) double N[Dim][n][4], dN[Dim][n][4];
   int first[4];  ///< the first node, in the window
 
-  TALUS_INLINE TALUS_HD FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& place, const Shape& shape = Shape()) {
-    using Layout = TileLayout<Dim, Shape>;
-    Quad flat(0.0);
-    for (int a = Dim - 1; a >= 0; --a) {
-      const auto w = shape.at(x[a]);
+  TALUS_INLINE TALUS_HD FourWeights(const FourPlaces<Dim>& x, const Index<Dim>& tile, const Shape& shape = Shape()) {
+    const LaneWeights<Quad, Dim, Shape> w(x, tile, shape);
+    for (int a = 0; a < Dim; ++a)
       for (int i = 0; i < n; ++i) {
-        store(N[a][i], w.N[i]);
-        store(dN[a][i], w.dN[i]);
+        store(N[a][i], w.along[a].N[i]);
+        store(dN[a][i], w.along[a].dN[i]);
       }
-      flat = Quad(Layout::window_edge) * flat + (w.first - Quad(tile_edge * place[a] - Layout::below));
-    }
-    for (int lane = 0; lane < 4; ++lane) first[lane] = int(flat[lane]);
+    for (int lane = 0; lane < 4; ++lane) first[lane] = int(w.first[lane]);
   }
 };
 
@@ -86,5 +97,18 @@ TALUS_INLINE TALUS_HD FourWeights<Dim, Shape> weights_of(const TilePoints<Dim, S
                                                          const Domain<Dim>& domain, int i, int count) {
   return {domain.in_cells(points.particles.places(points.range.begin + i, count)), points.tile, points.shape};
 }
+
+/// The same of `count` particles, at most eight.
+template <int Dim, class Shape>
+TALUS_INLINE TALUS_HD LaneWeights<Octet, Dim, Shape> weights_of_eight(const TilePoints<Dim, Shape>& points,
+                                                                      const Domain<Dim>& domain, int i, int count) {
+  std::array<Octet, Dim> x;
+  for (int a = 0; a < Dim; ++a) x[a] = load<Octet>(points.particles.position(a) + points.range.begin + i, count);
+  return {domain.in_cells(x), points.tile, points.shape};
+}
+
+/// What a kernel keeps of so many particles at a time before it uses it. To find weights takes long chains of operations, which a
+/// processor does side by side for some particles, but it does not look ahead as far as those behind them.
+inline constexpr int batch_size = 32;
 
 }  // namespace talus

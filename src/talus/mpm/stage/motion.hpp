@@ -31,19 +31,8 @@ void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& 
       }
     });
   };
-  if constexpr (which == Advance::both && goes_by_lines<Dim, Shape>) {
-    NodeRows<Dim, Shape, Dim> nodes;
-    fill_rows<0>(m.grid.tile(t), m.grid.acceleration.data(), nodes);
-    move(nodes);
-  } else if constexpr (which == Advance::both) {
-    Acceleration nodes[Layout::n_window];
-    m.window_of(t, m.grid.acceleration, nodes);
-    move(nodes);
-  } else if constexpr (goes_by_lines<Dim, Shape>) {
-    NodeRows<Dim, Shape, 2 * Dim> nodes;
-    fill_rows<0>(m.grid.tile(t), m.grid.new_velocity.data(), nodes);
-    fill_rows<Dim>(m.grid.tile(t), m.grid.acceleration.data(), nodes);
-    move(nodes);
+  if constexpr (which == Advance::both) {
+    move(Interpolated<Dim, Shape, Acceleration>(m.grid.tile(t), m.grid.acceleration.data()));
   } else {
     NodeMotion nodes[Layout::n_window];
     fill_window<Dim, Shape>(m.grid.tile(t), m.grid.new_velocity.data(), m.grid.acceleration.data(), nodes);

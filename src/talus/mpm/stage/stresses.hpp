@@ -98,7 +98,6 @@ void keep_stresses(Model<Dim, Shape>& m, int t, TileSums& sums) {
 /// L = sum v_I grad N, the law, and if stress comes first f_I = -sum V sigma grad N.
 template <int Dim, class Shape>
 SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
-  using Layout = TileLayout<Dim, Shape>;
   const Numerics& n = m.numerics;
   const StressUpdate how{step.dt,
                          n.integration,
@@ -113,11 +112,7 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     if (m.is_left_out(t)) return keep_stresses(m, t, sums);
-    std::conditional_t<goes_by_lines<Dim, Shape>, NodeRows<Dim, Shape, Dim>, MassVelocity[Layout::n_window]> velocity;
-    if constexpr (goes_by_lines<Dim, Shape>)
-      fill_rows<0>(m.grid.tile(t), m.grid.velocity.data(), velocity);
-    else
-      m.window_of(t, m.grid.velocity, velocity);
+    const Interpolated<Dim, Shape, MassVelocity> velocity(m.grid.tile(t), m.grid.velocity.data());
     const CellFinder<Dim> cells{m.domain.origin, 1 / m.domain.h, m.grid.tile(t).place};
     Vec<3> load{};
     bool first = true;

@@ -1,7 +1,7 @@
 #pragma once
 /// Between particles and nodes: mass and momentum, and the velocities of nodes.
 
-#include "talus/mpm/kernel/lines.hpp"
+#include "talus/mpm/kernel/pieces.hpp"
 #include "talus/mpm/kernel/runs.hpp"
 #include "talus/mpm/model.hpp"
 
