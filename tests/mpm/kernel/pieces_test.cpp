@@ -120,7 +120,7 @@ TEST(PiecesByHand, OfASquareAreThatSquareAndAQuarter) {
   const SplinePieces<2> pieces(tile.tiles[0], tile.velocity.data());
   find_gradients(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), pieces, s);
   for (int i = 0; i < p.size(); ++i) {
-    const auto [x, y] = places[std::size_t(i)];
+    const double x = places[std::size_t(i)][0], y = places[std::size_t(i)][1];
     EXPECT_EQ(rows.view()[0][i], x * x + 0.25) << i;
     EXPECT_EQ(rows.view()[1][i], x * (y * y + 0.25)) << i;
     EXPECT_EQ(s.gradient[0][0][i], 2 * x) << i;
