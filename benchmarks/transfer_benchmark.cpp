@@ -8,6 +8,7 @@
 
 #include "mpm/kernel/random_tile.hpp"
 #include "per_item.hpp"
+#include "talus/mpm/kernel/pieces.hpp"
 #include "talus/mpm/kernel/runs.hpp"
 
 namespace talus {
@@ -101,6 +102,33 @@ void add_to_nodes(benchmark::State& timer, double moved, F f) {
   timer.counters["ns"] = ns_per_item(tile.points().size());
 }
 
+/// Times f(tile), from nodes to the particles of a tile in their order, with what it makes of the nodes.
+template <class F>
+void take_from_nodes(benchmark::State& timer, F f) {
+  RandomTile<3, Quadratic> tile(8 * power(tile_edge, 3), 0, Quadratic());
+  std::vector<double> velocity(std::size_t(3 * tile.points().size()));
+  for (int a = 0; a < 3; ++a) tile.s.velocity[a] = velocity.data() + a * tile.points().size();
+  for (auto _ : timer) {
+    f(tile);
+    benchmark::ClobberMemory();
+  }
+  timer.counters["ns"] = ns_per_item(tile.points().size());
+}
+template <class Nodes>
+void take_gradients(benchmark::State& timer) {
+  take_from_nodes(timer, [](auto& tile) {
+    find_gradients(tile.points(), tile.domain, Nodes(tile.tiles[0], tile.velocity.data()), tile.s);
+  });
+}
+template <class Nodes>
+void take_accelerations(benchmark::State& timer) {
+  take_from_nodes(timer, [](auto& tile) {
+    const GridVelocity<3> before{tile.s.velocity[0], tile.s.velocity[1], tile.s.velocity[2]};
+    benchmark::DoNotOptimize(
+        advance(tile.points(), tile.domain, 0, 1, Nodes(tile.tiles[0], tile.acceleration.data()), before));
+  });
+}
+
 const bool transfers_registered = [] {
   const auto add = [](const std::string& name, auto f) {
     benchmark::RegisterBenchmark(name.c_str(), f)->Repetitions(n_repetitions)->MinTime(0.05);
@@ -128,6 +156,10 @@ const bool transfers_registered = [] {
           add_forces_in_runs<false>(points, domain, s, window);
         });
   }
+  add("transfer/gradient/one by one, 3D", take_gradients<WindowNodes<3, Quadratic, MassVelocity>>);
+  add("transfer/gradient/from pieces, 3D", take_gradients<SplinePieces<3>>);
+  add("transfer/acceleration/one by one, 3D", take_accelerations<WindowNodes<3, Quadratic, Acceleration>>);
+  add("transfer/acceleration/from pieces, 3D", take_accelerations<SplinePieces<3>>);
   add("transfer/gradient/quadratic, 2D", gather_gradient<2, Quadratic>);
   add("transfer/gradient/quadratic, 3D", gather_gradient<3, Quadratic>);
   add("transfer/interpolate two fields/quadratic, 2D", interpolate_two<2, Quadratic>);

@@ -172,7 +172,7 @@ inline void reorder(Columns& columns, const std::vector<int>& order, Backend& ba
 }
 
 /// Slots are as wide as a cell, but have a node in their middle: quadratic splines touch the same nodes from anywhere in one
-/// (kernel/runs.hpp), and the same rows of nodes from a line of them (kernel/lines.hpp). A tile has so many, the outer ones halves.
+/// (kernel/runs.hpp). A tile has so many, the outer ones halves.
 template <int Dim>
 inline constexpr int n_slots = power(tile_edge + 1, Dim);
 

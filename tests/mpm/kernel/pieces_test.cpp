@@ -91,8 +91,10 @@ TYPED_TEST(Pieces, MoveParticlesAsWeightsDo) {
     const auto of_weights =
         moved([&] { return advance(tile.points(), tile.domain, dt, alpha, acceleration, before.view()); });
     const SplinePieces<Dim> pieces(tile.tiles[0], tile.acceleration.data());
-    expect_near(moved([&] { return advance(tile.points(), tile.domain, dt, alpha, pieces, before.view()); }), of_weights);
-    expect_near(moved([&] { return advance<Advance::both>(tile.points(), tile.domain, dt, alpha, motion); }), of_weights);
+    expect_near(moved([&] { return advance(tile.points(), tile.domain, dt, alpha, pieces, before.view()); }),
+                of_weights);
+    expect_near(moved([&] { return advance<Advance::both>(tile.points(), tile.domain, dt, alpha, motion); }),
+                of_weights);
   });
 }
 
@@ -111,9 +113,8 @@ TEST(PiecesByHand, OfASquareAreThatSquareAndAQuarter) {
   const std::vector<Vec<2>> places{{2, 2}, {2.25, 3.25}, {1.75, 2}, {2.5, 2}, {1.5, 1.5}};
   auto p = particles_at<2>(places);
   RandomTile<2, Quadratic> tile(1, 0, Quadratic());
-  set_nodes(tile, [](const Index<2>& at) {
-    return node<MassVelocity>(at[0] * at[0], at[0] * at[1] * at[1], 0, rubbish);
-  });
+  set_nodes(tile,
+            [](const Index<2>& at) { return node<MassVelocity>(at[0] * at[0], at[0] * at[1] * at[1], 0, rubbish); });
   Scratch scratch;
   ScratchView s = scratch.view(p.size());
   VelocityRows<2> rows(p.size(), s);

@@ -77,7 +77,7 @@ struct PieceBatch {
   static constexpr int most = batch_size, n = Quadratic::support, edge = SplinePieces<Dim>::edge;
   alignas(64) double s[most];  ///< distance from where the piece along the first axis begins [cells]
   alignas(64) double N[Dim][n][most], dN[Dim][n][most];  ///< along the other axes
-  int node[most];  ///< the first one that a particle touches, in the window
+  int node[most];                                        ///< the first one that a particle touches, in the window
 
   /// Finds those of `count` particles, at most eight, from number i of the tile on, in place k.
   template <bool slopes>
@@ -133,8 +133,7 @@ TALUS_INLINE void for_each_four(const TilePoints<Dim, Quadratic>& points, const 
   PieceBatch<Dim> batch;
   for (int begin = 0; begin < points.size(); begin += batch.most) {
     const int n = std::min(points.size() - begin, batch.most);
-    for (int k = 0; k < n; k += 8)
-      batch.template find<slopes>(points, domain, begin + k, std::min(n - k, 8), k);
+    for (int k = 0; k < n; k += 8) batch.template find<slopes>(points, domain, begin + k, std::min(n - k, 8), k);
     for (int k = 0; k < n; k += 4) f(begin + k, std::min(n - k, 4), batch, k);
   }
 }
@@ -157,8 +156,8 @@ TALUS_FLATTEN void find_gradients(const TilePoints<Dim, Quadratic>& points, cons
 
 /// New velocities and places; see advance.hpp.
 template <int Dim>
-TALUS_FLATTEN double advance(const TilePoints<Dim, Quadratic>& points, const Domain<Dim>& domain, double dt, double alpha,
-                             const SplinePieces<Dim>& acceleration, const GridVelocity<Dim>& before) {
+TALUS_FLATTEN double advance(const TilePoints<Dim, Quadratic>& points, const Domain<Dim>& domain, double dt,
+                             double alpha, const SplinePieces<Dim>& acceleration, const GridVelocity<Dim>& before) {
   Quad fastest2(0.0);
   detail::for_each_four<false>(points, domain, [&](int i, int count, const auto& batch, int p) {
     const int first = points.range.begin + i;
