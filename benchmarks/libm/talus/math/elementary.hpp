@@ -8,6 +8,7 @@
 namespace talus {
 
 inline double exp(double x) { return std::exp(x); }
+inline double exp_of_small(double x) { return std::exp(x); }
 inline double log(double x) { return std::log(x); }
 inline double inverse_root(double x) { return 1 / std::sqrt(x); }
 inline double root(double x) { return std::sqrt(x); }
@@ -16,6 +17,7 @@ inline double inverse_fourth_root(double x) { return 1 / std::sqrt(std::sqrt(x))
 inline Pack exp(Pack x) {
   return lanewise([](double one) { return std::exp(one); }, x);
 }
+inline Pack exp_of_small(Pack x) { return exp(x); }
 inline Pack log(Pack x) {
   return lanewise([](double one) { return std::log(one); }, x);
 }
