@@ -107,8 +107,8 @@ TALUS_INLINE TALUS_HD LaneWeights<Octet, Dim, Shape> weights_of_eight(const Tile
   return {domain.in_cells(x), points.tile, points.shape};
 }
 
-/// What a kernel keeps of so many particles at a time before it uses it. To find weights takes long chains of operations, which a
-/// processor does side by side for some particles, but it does not look ahead as far as those behind them.
+/// So many particles have their weights found before these are used. To find them takes a long chain of operations, and a
+/// processor at work on some particles does not look ahead as far as the next ones.
 inline constexpr int batch_size = 32;
 
 }  // namespace talus
