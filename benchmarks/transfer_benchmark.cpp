@@ -102,7 +102,7 @@ void add_to_nodes(benchmark::State& timer, double moved, F f) {
   timer.counters["ns"] = ns_per_item(tile.points().size());
 }
 
-/// Times f(tile), from nodes to the particles of a tile in their order, with what it makes of the nodes.
+/// Times f(tile), which takes numbers from the nodes of a full tile to its particles.
 template <class F>
 void take_from_nodes(benchmark::State& timer, F f) {
   RandomTile<3, Quadratic> tile(8 * power(tile_edge, 3), 0, Quadratic());

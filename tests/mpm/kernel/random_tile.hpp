@@ -10,7 +10,7 @@
 
 namespace talus {
 
-/// Particles anywhere in the tile at the origin and up to 0.4 cells beside it, in the order of lines, some of them moved on
+/// Particles anywhere in the tile at the origin and up to 0.4 cells beside it, in the order of slots, some of them moved on
 /// since; random numbers at its nodes and in its particles.
 template <int Dim, class Shape>
 struct RandomTile {

@@ -108,7 +108,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
       store(&s.p[at.i], contacts(law).pressure_at(x));
     }
   });
-  for (int i = n; i % 4 != 0; ++i) s.cell[i] = s.cell[n - 1];
+  for (int i = n; i % 4 != 0; ++i) s.cell[i] = s.cell[n - 1];  // where a pack has fewer than four
   // Volume, and its products with the rate, the share and the pressure above that of open material, so that a cell is open where
   // all of its particles are. One particle in four adds to the same numbers: neighbours stand in one cell, and would wait for
   // each other.
