@@ -33,8 +33,8 @@ TEST(Columns, ATableThatKeepsGrowingRarelyNeedsNewMemory) {
     table.resize(n);
     n_times += table.column(0) != before;
   }
-  EXPECT_LE(n_times, 45) << "log(2)/log(65/64) = 44.7";
-  EXPECT_LE(table.bytes(), 2 * 2000 * sizeof(double) * 65 / 64);
+  EXPECT_LE(n_times, 90) << "log(2)/log(129/128) = 89.1";
+  EXPECT_LE(table.bytes(), 2 * 2000 * sizeof(double) * 129 / 128);
 }
 
 TEST(Columns, ATableThatShrinksGivesBackItsMemoryOnceItNeedsLessThanHalf) {

@@ -139,8 +139,8 @@ TEST(ExchangeWindows, TheHaloHasTheWindowsOfItsOwners) {
     std::vector<CellRange<2>> cells(12, all_cells<2>());
     const auto owners = owners_of(tiles, ranges_of_twelve(3));
     const Halo halo = keep_held(tiles, cells, owners, backend);
-    TileArray<MassMomentum, 49> windows;
-    windows.resize(int(cells.size()));
+    std::vector<MassMomentum> nodes(49 * cells.size());
+    TileArrayView<MassMomentum, 49> windows(nodes.data());
     for (std::size_t t = 0; t < cells.size(); ++t)
       for (int i = 0; i < 49; ++i) {
         const double v = tiles[t].owned ? 100.0 * double(halo.number[t]) + i : rubbish;

@@ -31,10 +31,10 @@ class Columns {
   std::size_t bytes() const { return pointers_.size() * std::size_t(n_that_fit_) * sizeof(double); }
 
   /// Changes the number of rows. Existing rows keep their values; new rows are zero. A table that grows again and again takes
-  /// a 64th more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
+  /// a 128th more memory than it needs; one that shrinks keeps its memory until it needs less than half of it.
   void resize(int n) {
     if (!keeps_memory_with(n)) {
-      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 64, std::numeric_limits<int>::max() - n);
+      n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 128, std::numeric_limits<int>::max() - n);
       for (int b = 0; b < int(blocks_.size()); ++b) move_block(b, std::min(size_, n));
     } else if (n > size_) {
       for (double* column : pointers_) std::fill(column + size_, column + n, 0.0);

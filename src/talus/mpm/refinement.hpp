@@ -27,7 +27,7 @@ namespace talus {
 
 /// Number of particles in each cell of the occupied tiles; those outside their tile belong to its nearest cell.
 template <int Dim>
-using CellCounts = TileArray<double, power(tile_edge, Dim)>;
+using CellCounts = TileArrayView<double, power(tile_edge, Dim)>;
 
 /// A particle to be split: it moves to x + offset, a new one to x - offset.
 struct Split {

@@ -76,7 +76,7 @@ class Stepper final : public Simulation {
   long n_particles() const override { return model_.n_particles; }
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = model_.grid.bytes() + refinement_.bytes();
+    std::size_t b = model_.grid.bytes();
     for (const auto& body : model_.bodies) b += body.particles.columns().bytes();
     for (const TileRest& rest : model_.rests) b += rest.bytes();
     return b;

@@ -107,8 +107,8 @@ TEST(ParticleSums, AreMassMomentumAndEnergyOfParticles) {
   }
   TileSums sums;
   ParticleSums<2> total;
-  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), Vec<2>{0, -10}, total);
-  total.add_to(sums);
+  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), total);
+  total.add_to(sums, {0, -10});
   EXPECT_EQ(sums[Sum::mass], 10);
   EXPECT_EQ(sums.vector(Sum::momentum), (Vec<3>{20, 0, 0}));
   EXPECT_EQ(sums[Sum::kinetic], 0 + 1 + 4 + 9 + 16);
@@ -121,8 +121,8 @@ TEST(ParticleSums, OneParticleOutsideIsAFinding) {
   auto p = particles_at<2>({{0.5, 1}, {1.5, 4.1}});
   TileSums sums;
   ParticleSums<2> total;
-  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), Vec<2>{0, 0}, total);
-  total.add_to(sums);
+  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), total);
+  total.add_to(sums, {0, 0});
   EXPECT_EQ(sums[Sum::faulty], 1);
 }
 

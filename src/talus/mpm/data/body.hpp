@@ -39,8 +39,8 @@ struct TilePoints {
   Shape shape;
 
   TALUS_HD int size() const { return range.size(); }
-  /// Number of particles among the four from number i of the tile on.
-  TALUS_HD int count(int i) const { return range.size() - i < 4 ? range.size() - i : 4; }
+  /// Number of particles from number i of the tile on, at most four or so many.
+  TALUS_HD int count(int i, int most = 4) const { return range.size() - i < most ? range.size() - i : most; }
 };
 template <int Dim, class Shape>
 TilePoints<Dim, Shape> points_of(const ShapedBody<Dim, Shape>& body, const Tile<Dim>& tile, int t) {

@@ -91,25 +91,7 @@ std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, con
   return tiles;
 }
 
-/// Values of the nodes of each tile, or of its window.
-template <class Node, int per_tile>
-class TileArray {
- public:
-  using Value = Node;
-  static constexpr int n = per_tile;
-  Node* of(int t) { return &nodes_[std::size_t(t) * per_tile]; }
-  const Node* of(int t) const { return &nodes_[std::size_t(t) * per_tile]; }
-  /// Values of all tiles in their order.
-  Node* data() { return nodes_.data(); }
-  const Node* data() const { return nodes_.data(); }
-  void resize(int n_tiles) { nodes_.resize(std::size_t(n_tiles) * per_tile); }
-  std::size_t bytes() const { return nodes_.capacity() * sizeof(Node); }
-
- private:
-  std::vector<Node> nodes_;
-};
-
-/// The same in memory of somebody else.
+/// Values of the nodes or cells of each tile, or of its window, in memory of somebody else.
 template <class Node, int per_tile>
 class TileArrayView {
  public:
@@ -129,12 +111,12 @@ class TileArrayView {
 /// Memory without values, for arrays that are in use at different times.
 class Room {
  public:
-  /// Makes the room at least so large [bytes]; what was in it is lost if it was smaller. A 32nd more is taken, so that
+  /// Makes the room at least so large [bytes]; what was in it is lost if it was smaller. A 64th more is taken, so that
   /// a slowly growing grid rarely needs new memory.
   void enlarge(std::size_t bytes) {
     if (bytes <= bytes_) return;
     constexpr std::size_t line = 64;
-    bytes_ = (bytes + bytes / 32 + line - 1) / line * line;
+    bytes_ = (bytes + bytes / 64 + line - 1) / line * line;
     memory_.reset();
     memory_ = large_memory(bytes_);
   }
@@ -158,6 +140,7 @@ class Room {
 /// | windows | particles give momentum | nodes have added it up | momentum |
 /// | windows | stresses are updated | nodes have added up forces | forces |
 /// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
+/// | windows | particles are split and merged | the same | particles in cells |
 /// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls, of particles |
 /// | windows, behind those of moments | nodes have added up moments | fits are known | second moments at walls |
 /// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |

@@ -122,7 +122,7 @@ struct ParticlesView {
   }
 
   /// Positions of `count` particles from `first` on, at most as many as R holds [m], one pack for each axis.
-  template <Number R = Quad>
+  template <class R = Quad>
   TALUS_HD std::array<R, Dim> places(int first, int count) const {
     std::array<R, Dim> x;
     for (int a = 0; a < Dim; ++a) x[a] = load<R>(position(a) + first, count);

@@ -162,29 +162,38 @@ TALUS_HD void find_slopes(const FilterMoments<Dim>& m, const Vec<Dim>& middle, c
   }
 }
 
-/// The nodes that four particles touch.
+/// The nodes that eight particles touch.
 template <int Dim, class Shape>
 struct Touched {
-  static constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge;
-  FourWeights<Dim, Shape> weights;
-  alignas(32) double x[Dim][n][4];  ///< from the node to the particle along each axis, in cells
+  static constexpr int n = Shape::support, edge = TileLayout<Dim, Shape>::window_edge, n_powers = 3;
+  alignas(64) double N[n_powers][Dim][n][8];  ///< along each axis, times a power of the place x from the node in cells
+  int first[8];                               ///< the first node, in the window
 
-  TALUS_HD Touched(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count)
-      : weights(weights_of(points, domain, i, count)) {
-    const FourPlaces<Dim> places = domain.in_cells(points.particles.places(points.range.begin + i, count));
-    for (int a = 0; a < Dim; ++a) {
-      const Quad beyond_first = places[a] - points.shape.at(places[a]).first;
-      for (int k = 0; k < n; ++k) store(x[a][k], beyond_first - Quad(k));
-    }
+  /// Of `count` particles, at most eight, from number i of the tile on.
+  TALUS_INLINE TALUS_HD Touched(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count) {
+    const auto x = domain.in_cells(points.particles.template places<Octet>(points.range.begin + i, count));
+    const LaneWeights<Octet, Dim, Shape> weights(x, points.tile, points.shape);
+    for (int a = 0; a < Dim; ++a)
+      for (int k = 0; k < n; ++k) {
+        const Octet weight = weights.along[a].N[k], d = (x[a] - weights.along[a].first) - Octet(k);
+        store(N[0][a][k], weight);
+        store(N[1][a][k], weight * d);
+        store(N[2][a][k], weight * (d * d));
+      }
+    for (int lane = 0; lane < 8; ++lane) first[lane] = int(weights.first[lane]);
   }
 
-  /// Adds eight of the moments of one of the four to the nodes: `value` times N and the powers of x.
+  /// Adds eight of the moments of one of the eight to the nodes: `value` times N and the powers of x.
   template <int octet>
-  TALUS_HD void scatter(int lane, Octet value, EightMoments* nodes) const {
+  TALUS_INLINE TALUS_HD void scatter(int lane, Octet value, EightMoments* nodes) const {
     Octet along[Dim][n];
-    [&]<int... axes>(std::integer_sequence<int, axes...>) { (find_along<octet, axes>(lane, along[axes]), ...); }
+    [&]<int... axes>(std::integer_sequence<int, axes...>) {
+      for (int k = 0; k < n; ++k)
+        ((along[axes][k] = octet_of(for_moments<2 * octet, axes>(k, lane), for_moments<2 * octet + 1, axes>(k, lane))),
+         ...);
+    }
     (std::make_integer_sequence<int, Dim>());
-    nodes += weights.first[lane];
+    nodes += first[lane];
     for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
       const Octet plane = Dim == 3 ? along[Dim - 1][k] * value : value;
       for (int j = 0; j < n; ++j) {
@@ -195,52 +204,56 @@ struct Touched {
     }
   }
 
-  /// N along an axis, times the power of x in which it enters each of eight moments.
-  template <int octet, int axis>
-  TALUS_HD void find_along(int lane, Octet (&along)[n]) const {
-    for (int i = 0; i < n; ++i) {
-      along[i] = Octet(weights.N[axis][i][lane]);
-      const Octet d(x[axis][i][lane]);
-      if constexpr (has_any<octet, axis, 2>())
-        along[i] *= multiply_add(having<octet, axis, 2>(), d * d,
-                                 multiply_add(having<octet, axis, 1>(), d, having<octet, axis, 0>()));
-      else if constexpr (has_any<octet, axis, 1>())
-        along[i] *= multiply_add(having<octet, axis, 1>(), d, having<octet, axis, 0>());
+  /// N along an axis, times the power of x in which it enters each of four moments.
+  template <int quad, int axis>
+  TALUS_INLINE TALUS_HD Quad for_moments(int k, int lane) const {
+    constexpr auto power = [](int moment) { return FilterMoments<Dim>::power(quad, moment, axis); };
+    if constexpr (power(0) == power(1) && power(0) == power(2) && power(0) == power(3)) {
+      return Quad(N[power(0)][axis][k][lane]);
+    } else {
+      return [&]<int... powers>(std::integer_sequence<int, powers...>) {
+        Quad weight(0.0);
+        ((weight = multiply_add(having<quad, axis, powers>(), Quad(N[powers][axis][k][lane]), weight)), ...);
+        return weight;
+      }
+      (std::make_integer_sequence<int, n_powers>());
     }
   }
-  /// Whether the place along an axis enters any of eight moments in this power.
-  template <int octet, int axis, int power>
-  TALUS_HD static constexpr bool has_any() {
-    for (int k = 0; k < 8; ++k)
-      if (FilterMoments<Dim>::power(2 * octet + k / 4, k % 4, axis) == power) return true;
-    return false;
-  }
-  /// 1 for those of eight moments that the place along an axis enters in this power, 0 for the others.
-  template <int octet, int axis, int power>
-  TALUS_HD static Octet having() {
-    constexpr auto is = [](int k) {
-      return FilterMoments<Dim>::power(2 * octet + k / 4, k % 4, axis) == power ? 1.0 : 0.0;
-    };
-    constexpr double numbers[8] = {is(0), is(1), is(2), is(3), is(4), is(5), is(6), is(7)};
-    return load<Octet>(numbers);
+  /// 1 for those of four moments that the place along an axis enters in this power, 0 for the others.
+  template <int quad, int axis, int power>
+  TALUS_HD static Quad having() {
+    constexpr auto is = [](int moment) { return FilterMoments<Dim>::power(quad, moment, axis) == power ? 1.0 : 0.0; };
+    constexpr double numbers[4] = {is(0), is(1), is(2), is(3)};
+    return load<Quad>(numbers);
   }
 
-  /// The velocity that the fits around one of the four make where it is.
-  TALUS_HD Quad blend(int lane, const FilterFit<Dim>* fits) const {
-    fits += weights.first[lane];
+  /// The velocity that the fits around one of the eight make where it is: sum of N (at + sum x_a slope_a).
+  TALUS_INLINE TALUS_HD Quad blend(int lane, const FilterFit<Dim>* fits) const {
+    fits += first[lane];
+    const auto weight = [&](int power, int axis, int k) { return Quad(N[power][axis][k][lane]); };
     Quad v(0.0);
-    for (int k = 0; k < (Dim == 3 ? n : 1); ++k)
-      for (int j = 0; j < n; ++j)
+    for (int k = 0; k < (Dim == 3 ? n : 1); ++k) {
+      Quad plane(0.0), along_z(0.0);
+      for (int j = 0; j < n; ++j) {
+        Quad row(0.0), slopes[Dim];  // of a row of nodes: the velocity where y and z are those of the nodes, and slopes
+        for (Quad& slope : slopes) slope = Quad(0.0);
         for (int i = 0; i < n; ++i) {
-          const int node[3] = {i, j, k};
           const FilterFit<Dim>& fit = fits[i + edge * (j + edge * k)];
-          Quad at = load_node(fit.at), N(1.0);
-          for (int a = 0; a < Dim; ++a) {
-            at = multiply_add(Quad(x[a][node[a]][lane]), load_node(fit.slope[a]), at);
-            N *= Quad(weights.N[a][node[a]][lane]);
-          }
-          v = multiply_add(N, at, v);
+          row = multiply_add(weight(0, 0, i), load_node(fit.at), row);
+          row = multiply_add(weight(1, 0, i), load_node(fit.slope[0]), row);
+          for (int a = 1; a < Dim; ++a) slopes[a] = multiply_add(weight(0, 0, i), load_node(fit.slope[a]), slopes[a]);
         }
+        plane = multiply_add(weight(0, 1, j), row, plane);
+        plane = multiply_add(weight(1, 1, j), slopes[1], plane);
+        if constexpr (Dim == 3) along_z = multiply_add(weight(0, 1, j), slopes[2], along_z);
+      }
+      if constexpr (Dim == 3) {
+        v = multiply_add(weight(0, 2, k), plane, v);
+        v = multiply_add(weight(1, 2, k), along_z, v);
+      } else {
+        v = plane;
+      }
+    }
     return v;
   }
 };
@@ -252,21 +265,20 @@ template <int octet, int Dim, class Shape>
 TALUS_HD void add_filter_moments(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                  EightMoments* window) {
   const ParticlesView<Dim>& p = points.particles;
-  for (int i = 0; i < points.size(); i += 4) {
-    const int first = points.range.begin + i, count = points.count(i);
+  for (int i = 0; i < points.size(); i += 8) {
+    const int first = points.range.begin + i, count = points.count(i, 8);
     const detail::Touched<Dim, Shape> touched(points, domain, i, count);
-    const Quad mass = load<Quad>(p.mass() + first, count);
-    Quad values[2][4];
+    const Octet mass = load<Octet>(p.mass() + first, count);
+    Quad values[2][2][4];  // of each half of the moments, for the first four particles and the last
     for (int half = 0; half < 2; ++half) {
-      for (int a = 0; a < 4; ++a) {
-        values[half][a] = mass;
-        if (2 * octet + half <= Dim && a < 3)
-          values[half][a] *= a < Dim ? load<Quad>(p.velocity(a) + first, count) : Quad(0.0);
-      }
-      transpose(values[half]);
+      Octet numbers[4] = {mass, mass, mass, mass};
+      if (2 * octet + half <= Dim)
+        for (int a = 0; a < 3; ++a) numbers[a] *= a < Dim ? load<Octet>(p.velocity(a) + first, count) : Octet(0.0);
+      to_fours(numbers, values[half][0], values[half][1]);
     }
     for (int lane = 0; lane < count; ++lane)
-      touched.template scatter<octet>(lane, octet_of(values[0][lane], values[1][lane]), window);
+      touched.template scatter<octet>(lane, octet_of(values[0][lane / 4][lane % 4], values[1][lane / 4][lane % 4]),
+                                      window);
   }
 }
 
@@ -341,15 +353,18 @@ template <int Dim, class Shape>
 TALUS_HD void filter_velocities(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                 const FilterFit<Dim>* fits, double share) {
   const ParticlesView<Dim>& p = points.particles;
-  for (int i = 0; i < points.size(); i += 4) {
-    const int first = points.range.begin + i, count = points.count(i);
+  for (int i = 0; i < points.size(); i += 8) {
+    const int first = points.range.begin + i, count = points.count(i, 8);
     const detail::Touched<Dim, Shape> touched(points, domain, i, count);
-    Quad values[4];
-    for (int lane = 0; lane < 4; ++lane) values[lane] = touched.blend(lane, fits);
-    transpose(values);
-    for (int a = 0; a < Dim; ++a) {
-      const Quad v = load<Quad>(p.velocity(a) + first, count);
-      store(p.velocity(a) + first, v + Quad(share) * (values[a] - v), count);
+    for (int k = 0; k < count; k += 4) {
+      Quad values[4];
+      for (int lane = 0; lane < 4; ++lane) values[lane] = touched.blend(k + lane, fits);
+      transpose(values);
+      for (int a = 0; a < Dim; ++a) {
+        double* const v = p.velocity(a) + first + k;
+        const Quad before = load<Quad>(v, points.count(i + k));
+        store(v, before + Quad(share) * (values[a] - before), points.count(i + k));
+      }
     }
   }
 }

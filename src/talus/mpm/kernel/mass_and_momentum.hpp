@@ -85,42 +85,43 @@ TALUS_FLATTEN TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mi
 /// What the particles of a tile hold, added over bodies eight by eight.
 template <int Dim>
 struct ParticleSums {
-  Octet mass{0.0}, kinetic{0.0}, potential{0.0}, largest_speed2{0.0}, momentum[Dim];
+  Octet mass{0.0}, momentum[Dim], moment[Dim], twice_kinetic{0.0}, largest_speed2{0.0};
   bool all_inside = true;
 
   TALUS_HD ParticleSums() {
-    for (Octet& m : momentum) m = Octet(0.0);
+    for (int a = 0; a < Dim; ++a) momentum[a] = moment[a] = Octet(0.0);
   }
-  TALUS_HD void add_to(TileSums& sums) const {
-    for (int a = 0; a < Dim; ++a) sums.sums[std::size_t(Sum::momentum) + std::size_t(a)] += sum_of(momentum[a]);
+  TALUS_HD void add_to(TileSums& sums, const Vec<Dim>& gravity) const {
+    for (int a = 0; a < Dim; ++a) {
+      sums.sums[std::size_t(Sum::momentum) + std::size_t(a)] += sum_of(momentum[a]);
+      sums[Sum::potential] -= gravity[a] * sum_of(moment[a]);
+    }
     sums[Sum::mass] += sum_of(mass);
-    sums[Sum::kinetic] += sum_of(kinetic);
-    sums[Sum::potential] += sum_of(potential);
+    sums[Sum::kinetic] += 0.5 * sum_of(twice_kinetic);
     sums.raise(Most::particle_speed2, largest_of(largest_speed2));
     sums[Sum::faulty] += all_inside ? 0 : 1;
   }
 };
 
-/// Adds mass, momentum and energy of particles, and notes whether they are where they may be.
+/// Adds mass, moment of mass, momentum and energy of particles, and notes whether they are where they may be.
 template <int Dim, class Shape>
-TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const Vec<Dim>& gravity,
+TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                ParticleSums<Dim>& total) {
   const ParticlesView<Dim>& p = points.particles;
   for (int i = 0; i < points.size(); i += 8) {
-    const int first = points.range.begin + i, count = points.size() - i < 8 ? points.size() - i : 8;
+    const int first = points.range.begin + i, count = points.count(i, 8);
     Octet mass = load<Octet>(p.mass() + first, count);
     for (int lane = count; lane < 8; ++lane) mass.set(lane, 0);
-    std::array<Octet, Dim> x;
+    const auto x = p.template places<Octet>(first, count);
     Octet speed2(0.0);
     for (int a = 0; a < Dim; ++a) {
-      x[a] = load<Octet>(p.position(a) + first, count);
-      const Octet v = load<Octet>(p.velocity(a) + first, count), mv = mass * v;
-      speed2 += v * v;
-      total.momentum[a] += mv;
-      total.potential -= Octet(gravity[a]) * (mass * x[a]);
+      const Octet v = load<Octet>(p.velocity(a) + first, count);
+      speed2 = multiply_add(v, v, speed2);
+      total.momentum[a] = multiply_add(mass, v, total.momentum[a]);
+      total.moment[a] = multiply_add(mass, x[a], total.moment[a]);
     }
     total.mass += mass;
-    total.kinetic += Octet(0.5) * mass * speed2;
+    total.twice_kinetic = multiply_add(mass, speed2, total.twice_kinetic);
     total.largest_speed2 = max(total.largest_speed2, speed2);
     total.all_inside &= domain.contains(domain.in_cells(x));
   }

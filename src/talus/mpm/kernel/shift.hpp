@@ -47,20 +47,18 @@ TALUS_HD void find_filling(const TilePoints<Dim, Shape>& points, const Domain<Di
 template <int Dim, class Shape>
 TALUS_HD void find_excess(const double* filling, double* excess) {
   using Layout = TileLayout<Dim, Shape>;
+  static_assert(tile_edge == Quad::width);
   constexpr double below_surface = 1.0 / 48, inside = 119.0 / 144;
-  for (int i = 0; i < Layout::n_nodes; ++i) {
+  const Quad zero(0.0);
+  for (int i = 0; i < Layout::n_nodes; i += tile_edge) {  // four at a time, along the first axis
     Index<Dim> own = unflatten<Dim>(i, tile_edge);
     for (int a = 0; a < Dim; ++a) own[a] += Layout::below;
-    double around = 0;
-    for (int n = 0; n < n_neighbours<Dim>; ++n) {
-      Index<Dim> at = own;
-      const Index<Dim> offset = offset_of<Dim>(n);
-      for (int a = 0; a < Dim; ++a) at[a] += offset[a];
-      around += filling[Layout::window(at)];
-    }
-    const double beyond = filling[Layout::window(own)] - 1;
-    const bool is_inside = around >= inside * n_neighbours<Dim>;
-    excess[i] = max(beyond, 0.0) + (is_inside ? min(beyond + below_surface, 0.0) : 0.0);
+    const double* const at = filling + Layout::window(own);
+    Quad around(0.0);
+    for (int n = 0; n < n_neighbours<Dim>; ++n) around += load<Quad>(at + Layout::window(offset_of<Dim>(n)));
+    const Quad beyond = load<Quad>(at) - Quad(1.0);
+    const auto is_inside = around >= Quad(inside * n_neighbours<Dim>);
+    store(excess + i, max(beyond, zero) + select(is_inside, min(beyond + Quad(below_surface), zero), zero));
   }
 }
 

@@ -102,8 +102,7 @@ TALUS_INLINE TALUS_HD FourWeights<Dim, Shape> weights_of(const TilePoints<Dim, S
 template <int Dim, class Shape>
 TALUS_INLINE TALUS_HD LaneWeights<Octet, Dim, Shape> weights_of_eight(const TilePoints<Dim, Shape>& points,
                                                                       const Domain<Dim>& domain, int i, int count) {
-  std::array<Octet, Dim> x;
-  for (int a = 0; a < Dim; ++a) x[a] = load<Octet>(points.particles.position(a) + points.range.begin + i, count);
+  const auto x = points.particles.template places<Octet>(points.range.begin + i, count);
   return {domain.in_cells(x), points.tile, points.shape};
 }
 

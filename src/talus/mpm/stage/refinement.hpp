@@ -45,11 +45,11 @@ class ParticleRefinement {
   /// Splits and merges; `n_ids`: how many ids have been given so far. Nothing goes into solids as they stand at that
   /// time.
   RefinementCost apply(Model<Dim, Shape>& m, double time, long n_ids) {
-    count_cells(m);
+    const CellCounts<Dim> counts = count_cells(m);
     RefinementCost cost;
     std::vector<std::vector<Plan>> plans(m.bodies.size());
     for (std::size_t b = 0; b < m.bodies.size(); ++b)
-      if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], m.mean_masses[b], time);
+      if (m.bodies[b].particles.memory().extent) plans[b] = plan(m, m.bodies[b], counts, m.mean_masses[b], time);
     const auto total = [&](auto n_of_plan) {
       long mine = 0;
       for (const auto& of_body : plans)
@@ -79,9 +79,6 @@ class ParticleRefinement {
     cost.particles[Sum::averaging] = m.add_up(merging)[Sum::averaging];
     return cost;
   }
-
-  /// Bytes held.
-  std::size_t bytes() const { return counts_.bytes(); }
 
  private:
   /// Edge of what a particle can stand for, in cells: the cells that are looked at are in tiles beside its own.
@@ -113,18 +110,22 @@ class ParticleRefinement {
     return first;
   }
 
-  void count_cells(Model<Dim, Shape>& m) {
-    counts_.resize(m.grid.n_occupied());
+  /// In the room of windows, whose values are lost.
+  static CellCounts<Dim> count_cells(Model<Dim, Shape>& m) {
+    const std::size_t n = std::size_t(m.grid.n_occupied()) * CellCounts<Dim>::n;
+    CellCounts<Dim> counts(m.grid.template room_behind_windows<double>(0, n));
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.has_particles(t)) return;
-      std::fill_n(counts_.of(t), CellCounts<Dim>::n, 0.0);
+      std::fill_n(counts.of(t), CellCounts<Dim>::n, 0.0);
       for (const auto& body : m.bodies)
-        add_counts<Dim>(body, body.tiles[std::size_t(t)], m.domain, m.grid.tile(t), counts_.of(t));
+        add_counts<Dim>(body, body.tiles[std::size_t(t)], m.domain, m.grid.tile(t), counts.of(t));
     });
-    exchange_windows(m.backend, m.halo, counts_);
+    exchange_windows(m.backend, m.halo, counts);
+    return counts;
   }
 
-  std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, double mean_mass, double time) {
+  static std::vector<Plan> plan(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, const CellCounts<Dim>& counts,
+                                double mean_mass, double time) {
     constexpr double rounding = 1e-3;  // halves of halves are as heavy as the limit to rounding
     const MergingRule merging = merging_rule<Dim>(body.spacing, m.domain.h, mean_mass);
     const SplittingRule splitting{m.numerics.particle_splitting, rest_speed_of(m),
@@ -136,7 +137,7 @@ class ParticleRefinement {
       const auto along = [&](const Vec<3>& x, const Vec<3>& offset) { return left_of_offset(m, solids, x, offset); };
       Plan& p = plans[std::size_t(t)];
       const RowRange& range = body.tiles[std::size_t(t)];
-      p.splits = find_splits<Dim>(splitting, body, range, m.domain, m.grid.tiles(), t, counts_, along);
+      p.splits = find_splits<Dim>(splitting, body, range, m.domain, m.grid.tiles(), t, counts, along);
       p.mergers = find_mergers<Dim>(merging, body, range, m.domain, m.grid.tile(t), p.splits);
     });
     return plans;
@@ -195,8 +196,6 @@ class ParticleRefinement {
       p.set_ids(row, id, p.ancestor(row));
     }
   }
-
-  CellCounts<Dim> counts_;
 };
 
 }  // namespace talus
