@@ -561,10 +561,12 @@ TEST(Simsand, TheReturnFindsItsRootAsFarAsItSaysAndAtWorstToTwentyTimesThat) {
       const auto trial = detail::try_elastic(law, old, volumetric_compression(motion.strain));
       const ConstantFriction friction;
       const detail::ReturnEquation equation(law, old, motion.strain, trial, friction);
-      const auto at = equation.at(s.x, std::log(s.x));
+      detail::FrictionOfPoint<double> friction_there;
+      detail::ReturnRates<double> rates;
+      const auto at = equation.at(s.x, friction_there, rates);
       const double residual = std::abs(at.residual) - 2e-13 * std::abs(trial.x);
       const double allowed = std::max(1e-8 * s.x, 1e-4 * std::min(std::abs(s.x - trial.x), s.x));
-      const double error = residual / std::max(1.0, equation.slope(at)) / allowed;
+      const double error = residual / std::max(1.0, equation.slope(at, friction_there, rates)) / allowed;
       worst = std::max(worst, error);
       n_beyond += error > 1;
       ASSERT_NEAR(von_mises(deviator(s.stress)), at.p * at.eta(), 1e-3 * at.p) << name;

@@ -156,11 +156,16 @@ struct Simsand {
   /// tan phi_p and tan phi_pt from ln(e_c/e). Eqs. 9, 10
   template <Number R>
   TALUS_HD R peak_tangent(R ln_density) const {
-    return min(R(derived.tan_phi_c) * exp(R(n_p) * ln_density), R(steepest_tangent));
+    return min(tangent(n_p, ln_density), R(steepest_tangent));
   }
   template <Number R>
   TALUS_HD R transformation_tangent(R ln_density) const {
-    return min(R(derived.tan_phi_c) * exp(R(-n_d) * ln_density), R(steepest_tangent));
+    return min(tangent(-n_d, ln_density), R(steepest_tangent));
+  }
+  /// tan phi_c (e_c/e)^power
+  template <Number R>
+  TALUS_HD R tangent(double power, R ln_density) const {
+    return R(derived.tan_phi_c) * exp(R(power) * ln_density);
   }
   /// h. Eq. 6
   template <Number R>

@@ -11,6 +11,8 @@ inline constexpr double least_x = 1e-8;
 /// How far x may be from the root of its equation, relatively, and as a share of what plastic flow takes from it in the step:
 /// dilatancy then errs by as much, little beside the error of a first-order step. The balance of energy does not.
 inline constexpr double accuracy_of_x = 1e-8, accuracy_of_flow = 1e-4;
+/// How far M may be from its equations where they are not evaluated again.
+inline constexpr double accuracy_of_M = 2e-6;
 
 /// Volume change of a step without friction: compression first closes a gap, then causes pressure.
 template <class R>
@@ -53,14 +55,29 @@ TALUS_HD Simsand::State<R> let_go(const Simsand& law, const Simsand::State<R>& s
 /// The equations of the implicit return, all evaluated at one value of x.
 template <class R>
 struct ReturnPoint {
-  R x, ln_x;
-  R p, G, M_p, M_pt, h, dkappa;
-  R residual;        ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
-  R q_trial, per_q;  ///< of the trial stress s_n + 2 G e, and 1 over it
-  R lowering;        ///< ln(e_ref/e_c)
-  R per_root;        ///< -1 over the derivative of (k_p + kappa_n + dk) f by d kappa: of F3, the root
+  R x, p, G, M_p, M_pt, h, dkappa;
+  R residual;  ///< x - x_trial + a A_d (M_pt - h M_p) d kappa
 
   TALUS_HD R eta() const { return h * M_p; }  ///< q/p, where the point yields
+};
+
+/// Friction at a point, without its increase with the rate, and what it depends on.
+template <class R>
+struct FrictionOfPoint {
+  R x, per_x;                             ///< x and 1/x
+  R lowering;                             ///< ln(e_ref/e_c)
+  R S;                                    ///< sin 3theta of the trial stress
+  R tan_p, tan_pt;                        ///< before they are cut
+  FrictionSlope<R> peak, transformation;  ///< M_p and M_pt
+};
+
+/// Numbers on the way to a point that its slope needs.
+template <class R>
+struct ReturnRates {
+  R q_trial, per_q;  ///< of the trial stress s_n + 2 G e, and 1 over it
+  R risen;           ///< factor of friction that increases with the rate
+  R per_k;           ///< 1/(k_p + kappa)
+  R per_root;        ///< -1 over the derivative of (k_p + kappa_n + dk) f by d kappa: of F3, the root
 };
 
 /// The implicit return as a scalar equation for x. Moduli are secants of the step, so elasticity is exact; the return
@@ -72,9 +89,9 @@ struct ReturnEquation {
   const Friction& friction;
   SymTensor<R> s_n, e_dev;  ///< deviators of the old stress and of the strain increment
   R kappa_n, p_n, x_n, ln_e;
-  R k_n, x_per_p_n;  ///< dp/dx and x/p at the old stress
-  R ss, se, ee;      ///< s_n:s_n, s_n:e, e:e
-  double m;          ///< p/p_at = x^m
+  R x_per_p_n;   ///< x/p at the old stress
+  R ss, se, ee;  ///< s_n:s_n, s_n:e, e:e
+  double m;      ///< p/p_at = x^m
 
   TALUS_HD ReturnEquation(const Simsand& l, const Simsand::State<R>& state, const SymTensor<R>& strain,
                           const Trial<R>& t, const Friction& f)
@@ -88,48 +105,94 @@ struct ReturnEquation {
     const R zero = R(0.0);
     p_n = max(pressure(state.stress), zero);
     x_n = max(state.x, zero);
-    const R per_both = select(p_n > zero, R(1.0) / (max(p_n, R(1e-100)) * max(x_n, R(1e-100))), zero);
-    k_n = R(m) * p_n * p_n * per_both;
-    x_per_p_n = x_n * x_n * per_both;
+    x_per_p_n = select(p_n > zero, x_n / max(p_n, R(1e-100)), zero);
     ln_e = log(t.e);
     ss = double_dot(s_n, s_n);
     se = double_dot(s_n, e_dev);
     ee = double_dot(e_dev, e_dev);
   }
 
-  /// Evaluates the equations at x = exp(ln_x). The caller passes the logarithm, and divisions and square roots are few,
-  /// because the chain of dependent operations determines the time.
-  TALUS_HD ReturnPoint<R> at(R x, R ln_x) const {
+  /// Evaluates the equations at x.
+  TALUS_HD ReturnPoint<R> at(R x, FrictionOfPoint<R>& f, ReturnRates<R>& rates) const {
+    const R ln_P = R(m) * log(x);
+    ReturnPoint<R> r = begin(x, rates);
+    f.x = x;
+    f.per_x = R(1.0) / x;
+    f.S = lode(r.G, rates.per_q);
+    const R density = law.ln_density(ln_P, ln_e);
+    f.lowering = R(law.derived.ln_e_ref) - ln_e - density;
+    f.tan_p = law.tangent(law.n_p, density);
+    f.tan_pt = law.tangent(-law.n_d, density);
+    f.peak = friction_slope_and_derivatives(law.lode, cut(f.tan_p), f.S);
+    f.transformation = friction_slope_and_derivatives(law.lode, cut(f.tan_pt), f.S);
+    r.M_p = f.peak.M;
+    r.M_pt = f.transformation.M;
+    finish(r, rates);
+    return r;
+  }
+
+  /// The same at x near to a point with friction f: its derivatives take the place of exponentials and roots. `missed` estimates
+  /// the error of the residual, from the squares of the changes of M; that of Lode's angle counts three times, as in the series
+  /// of (A + B S)^(-1/4).
+  TALUS_HD ReturnPoint<R> beside(const FrictionOfPoint<R>& f, R x, R& missed) const {
+    const R one = R(1.0);
+    ReturnRates<R> rates;
+    ReturnPoint<R> r = begin(x, rates);
+    const R dS = lode(r.G, rates.per_q) - f.S;
+    const double b = m * law.xi;  // ln(e_ref/e_c) ~ x^b, as a binomial series
+    const R t = (x - f.x) * f.per_x;
+    const R lowered = f.lowering * R(b) * t * (one + R(0.5 * (b - 1)) * t * (one + R((b - 2) / 3) * t));
+    const auto change = [&](const FrictionSlope<R>& slope, R tangent, R ln_change, R& M) {
+      const R moved = tangent + tangent * ln_change * (one + R(0.5) * ln_change);
+      const R by_tangent = slope.by_tangent * (cut(moved) - cut(tangent)), by_lode = slope.by_lode * dS;
+      M = slope.M + (by_tangent + by_lode);
+      return by_tangent * by_tangent + R(3.0) * by_lode * by_lode;
+    };
+    const R squares = change(f.peak, f.tan_p, R(-law.n_p) * lowered, r.M_p) +
+                      change(f.transformation, f.tan_pt, R(law.n_d) * lowered, r.M_pt);
+    const R of_M = squares / min(r.M_p, r.M_pt);
+    finish(r, rates);
+    missed = select(of_M > R(accuracy_of_M), R(1e300), trial.a * R(law.A_d) * r.dkappa * of_M);
+    return r;
+  }
+
+  /// p and the secant modulus G at x, and the trial stress.
+  TALUS_HD ReturnPoint<R> begin(R x, ReturnRates<R>& rates) const {
+    ReturnPoint<R> r = elastic_at(x);
+    find_trial(r.G, rates);
+    return r;
+  }
+  TALUS_HD ReturnPoint<R> elastic_at(R x) const {
     ReturnPoint<R> r;
     r.x = x;
-    r.ln_x = ln_x;
-    const R ln_P = R(m) * ln_x;
-    r.p = R(atmospheric_pressure) * (m == 2 ? x * x : exp(ln_P));
-
-    // K/a = change of pressure over change of x; the mean of the tangents where the two are too close to subtract.
-    const R step = x - x_n;
-    const mask_t<R> far = abs(step) > R(1e-4) * x;
-    const R rise = select(far, r.p - p_n, R(0.5) * (k_n * x + R(m) * r.p)), run = select(far, step, x);
-    r.G = R(law.shear_to_bulk()) * trial.a * rise / run;
-
-    // S = (27/2) det s/q^3 of the trial stress.
-    find_trial(r);
-    const R third = determinant(trial_deviator(r.G));
-    const R S = max(R(-1.0), min(R(1.0), R(13.5) * third * (r.per_q * r.per_q * r.per_q)));
-
-    const R density = law.ln_density(ln_P, ln_e);
-    r.lowering = R(law.derived.ln_e_ref) - ln_e - density;
-    r.M_p = friction_slope(law.lode, law.peak_tangent(density), S);
-    r.M_pt = friction_slope(law.lode, law.transformation_tangent(density), S);
-    if constexpr (!Friction::is_constant) {
-      const R risen = friction.at(r.p);
-      r.M_p = risen * r.M_p;
-      r.M_pt = risen * r.M_pt;
-    }
-
-    mobilise(r);
-    r.residual = x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
+    r.p = R(atmospheric_pressure) * (m == 2 ? x * x : exp(R(m) * log(x)));
+    r.G = R(law.shear_to_bulk()) * trial.a * mean_stiffness(x, r.p);
     return r;
+  }
+  /// K/a: change of pressure over change of x; the mean of the tangents where the two are too close to subtract.
+  TALUS_HD R mean_stiffness(R x, R p) const {
+    if (m == 2) return R(atmospheric_pressure) * (x + x_n);
+    const R step = x - x_n, stiffness_n = select(p_n > R(0.0), R(m) * p_n / max(x_n, R(1e-100)), R(0.0));
+    const mask_t<R> far = abs(step) > R(1e-4) * x;
+    return select(far, p - p_n, R(0.5) * (stiffness_n * x + R(m) * p)) / select(far, step, x);
+  }
+  /// sin 3theta = (27/2) det s/q^3 of the trial stress.
+  TALUS_HD R lode(R G, R per_q) const {
+    const R third = determinant(trial_deviator(G));
+    return max(R(-1.0), min(R(1.0), R(13.5) * third * (per_q * per_q * per_q)));
+  }
+  TALUS_HD static R cut(R tangent) { return min(tangent, R(steepest_tangent)); }
+  /// Friction that increases with the rate, the flow, and the residual.
+  TALUS_HD void finish(ReturnPoint<R>& r, ReturnRates<R>& rates) const {
+    if constexpr (!Friction::is_constant) {
+      rates.risen = friction.at(r.p);
+      r.M_p = rates.risen * r.M_p;
+      r.M_pt = rates.risen * r.M_pt;
+    } else {
+      rates.risen = R(1.0);
+    }
+    mobilise(r, rates);
+    r.residual = r.x - trial.x + trial.a * R(law.A_d) * (r.M_pt - r.eta()) * r.dkappa;
   }
 
   TALUS_HD SymTensor<R> trial_deviator(R G) const {
@@ -139,24 +202,25 @@ struct ReturnEquation {
     return s;
   }
   /// q of the trial stress, a polynomial in G, and 1 over it.
-  TALUS_HD void find_trial(ReturnPoint<R>& r) const {
-    const R g = R(2.0) * r.G, q2 = R(1.5) * max(ss + g * (R(2.0) * se + g * ee), R(0.0));
-    r.per_q = inverse_root(max(q2, R(1e-200)));
-    r.q_trial = q2 * r.per_q;
+  TALUS_HD void find_trial(R G, ReturnRates<R>& rates) const {
+    const R g = R(2.0) * G, q2 = R(1.5) * max(ss + g * (R(2.0) * se + g * ee), R(0.0));
+    rates.per_q = inverse_root(max(q2, R(1e-200)));
+    rates.q_trial = q2 * rates.per_q;
   }
   /// d kappa, h and 1/root of f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
-  TALUS_HD void mobilise(ReturnPoint<R>& r) const {
-    if (law.hardening_rule == HardeningRule::square_root) return mobilise_by_root(r);
+  TALUS_HD void mobilise(ReturnPoint<R>& r, ReturnRates<R>& rates) const {
+    if (law.hardening_rule == HardeningRule::square_root) return mobilise_by_root(r, rates);
     const R zero = R(0.0), two = R(2.0);
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
-    const R excess = two * max(r.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
-    const R b = G3 * k + strength - r.q_trial;
+    const R excess = two * max(rates.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
+    const R b = G3 * k + strength - rates.q_trial;
     const R discriminant = max(b * b + two * G3 * excess, zero);
-    r.per_root = inverse_root(discriminant);
+    rates.per_root = inverse_root(discriminant);
     // dk = excess/below, h = (kappa_n + dk)/(k + dk), with one division for both
-    const R below = max(b + discriminant * r.per_root, R(1e-100)), hardened = k * below + excess;
+    const R below = max(b + discriminant * rates.per_root, R(1e-100)), hardened = k * below + excess;
     const R per_both = R(1.0) / (below * hardened);
     r.dkappa = excess * hardened * per_both;
+    rates.per_k = below * below * per_both;
     r.h = (kappa_n * below + excess) * below * per_both;
   }
 
@@ -164,11 +228,11 @@ struct ReturnEquation {
   ///   g(h) = q_trial + 3 G kappa_n - p M_p h - 3 G k_p h^2/(1 - h^2) = 0.
   /// g falls and is concave, so Newton's steps from above its root come down to it without passing it. Without one of
   /// its two last terms g has a root above; the smaller of both is the start.
-  TALUS_HD void mobilise_by_root(ReturnPoint<R>& r) const {
+  TALUS_HD void mobilise_by_root(ReturnPoint<R>& r, ReturnRates<R>& rates) const {
     const R zero = R(0.0), one = R(1.0), two = R(2.0), least = R(1e-100);
     const R G3 = R(3.0) * r.G, strength = max(r.p * r.M_p, least), soft = G3 * R(law.k_p);
-    const R most = r.q_trial + G3 * kappa_n, h_n = law.hardening(kappa_n);
-    const mask_t<R> outside = r.q_trial > strength * h_n;
+    const R most = rates.q_trial + G3 * kappa_n, h_n = law.hardening(kappa_n);
+    const mask_t<R> outside = rates.q_trial > strength * h_n;
     R h = min(most / strength, sqrt(most / max(most + soft, least)));
     mask_t<R> open = outside;
     for (int i = 0; i < 60 && any(open); ++i) {
@@ -178,85 +242,48 @@ struct ReturnEquation {
       open = open & (abs(step) > R(1e-14) * h);
     }
     r.h = select(outside, max(h, h_n), h_n);
-    r.dkappa = select(outside, max(r.q_trial - strength * r.h, zero) / max(G3, least), zero);
+    r.dkappa = select(outside, max(rates.q_trial - strength * r.h, zero) / max(G3, least), zero);
     const R k = R(law.k_p) + kappa_n + r.dkappa;
-    r.per_root = two * r.h / max(two * r.h * G3 * k + strength * (one - r.h * r.h), least);
+    rates.per_k = one / k;
+    rates.per_root = two * r.h / max(two * r.h * G3 * k + strength * (one - r.h * r.h), least);
   }
 
-  /// Approximation of d residual/dx: where the point yields, at a constant Lode angle, M taken as proportional to the
-  /// tangent of its angle.
-  TALUS_HD R slope(const ReturnPoint<R>& r) const {
+  /// Approximation of d residual/dx: where the point yields, at a constant Lode angle and rate.
+  TALUS_HD R slope(const ReturnPoint<R>& r, const FrictionOfPoint<R>& f, const ReturnRates<R>& rates) const {
     const R one = R(1.0), kappa = kappa_n + r.dkappa, k = R(law.k_p) + kappa;
-    const R per_both = one / (r.x * k), per_x = k * per_both, per_k = r.x * per_both;
-    const R dp = R(m) * r.p * per_x, dG = R(0.5 * (m - 1) * law.shear_to_bulk()) * trial.a * dp * per_x;
-    const R ddensity = R(-m * law.xi) * r.lowering * per_x;
-    const R dstrength = r.M_p * (dp + R(law.n_p) * ddensity * r.p);
-    const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG * r.per_q;
+    const R dp = R(m) * r.p * f.per_x, dG = R(0.5 * (m - 1) * law.shear_to_bulk()) * trial.a * dp * f.per_x;
+    const R ddensity = R(-m * law.xi) * f.lowering * f.per_x, risen = rates.risen * ddensity;
+    const R dM_p = R(law.n_p) * f.peak.by_tangent * f.tan_p * risen;
+    const R dM_pt = R(-law.n_d) * f.transformation.by_tangent * f.tan_pt * risen;
+    const R dstrength = r.M_p * dp + r.p * dM_p;
+    const R dq = R(3.0) * (se + R(2.0) * r.G * ee) * dG * rates.per_q;
     const bool by_root = law.hardening_rule == HardeningRule::square_root;
     const R carried = by_root ? r.h * k : kappa;
-    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * carried) * r.per_root;
-    R by_kappa = (r.M_p - r.eta()) * ddkappa * per_k;
+    const R ddkappa = ((dq - R(3.0) * r.dkappa * dG) * k - dstrength * carried) * rates.per_root;
+    R by_kappa = (r.M_p - r.eta()) * ddkappa * rates.per_k;
     if (by_root) by_kappa = by_kappa * (one + r.h) / max(R(2.0) * r.h, R(1e-100));
-    const R deta = r.eta() * R(law.n_p) * ddensity + by_kappa;
-    const R dM_pt = R(-law.n_d) * r.M_pt * ddensity;
+    const R deta = r.h * dM_p + by_kappa;
     return one + trial.a * R(law.A_d) * ((dM_pt - deta) * r.dkappa + (r.M_pt - r.eta()) * ddkappa);
   }
 
-  TALUS_HD SymTensor<R> stress(const ReturnPoint<R>& r) const {
-    const SymTensor<R> s_trial = trial_deviator(r.G);
-    const R back = r.p * r.eta() * inverse_root(R(1.5) * double_dot(s_trial, s_trial));
-    return stress_from(select(r.dkappa > R(0.0), back, R(1.0)) * s_trial, r.p);
+  /// The point on the line through `r` and one before it, t times as far from `r`; only p, G and h follow their equations.
+  TALUS_HD ReturnPoint<R> on_line(const ReturnPoint<R>& r, const ReturnPoint<R>& before, R t) const {
+    const auto moved = [&](R now, R then) { return now + t * (now - then); };
+    ReturnPoint<R> end = elastic_at(moved(r.x, before.x));
+    end.M_p = moved(r.M_p, before.M_p);
+    end.M_pt = moved(r.M_pt, before.M_pt);
+    end.dkappa = max(moved(r.dkappa, before.dkappa), R(0.0));
+    end.h = law.hardening(kappa_n + end.dkappa);
+    end.residual = R(0.0);
+    return end;
   }
 };
 
-/// ln(1 + step/x) for steps up to a quarter of x, to 6e-8: the Pade approximant with three powers of both.
-template <Number R>
-TALUS_HD R log_of_growth(R step, R x) {
-  const R above = (R(11.0) * step + R(60.0) * x) * step + R(60.0) * x * x;
-  const R below = ((R(3.0) * step + R(36.0) * x) * step + R(90.0) * x * x) * step + R(60.0) * x * x * x;
-  return step * above / below;
-}
-
-/// What of a point changes slowly with x.
-template <class R>
-struct SlowlyVarying {
-  R G, M_p, M_pt;
-};
-
-/// The point at x + step from those at x and x - dx: slowly varying quantities linearly, p as p ~ x^m, and f = 0.
-template <class R, class Friction>
-TALUS_HD ReturnPoint<R> extrapolate(const ReturnEquation<R, Friction>& equation, const ReturnPoint<R>& at,
-                                    const SlowlyVarying<R>& before, R step, R dx) {
-  const R per_both = R(1.0) / (dx * at.x), t = step * at.x * per_both, d = step * dx * per_both;
-  const auto on_line = [&](R now, R then) { return now + t * (now - then); };
-  ReturnPoint<R> r = at;
-  r.x = at.x + step;
-  const double m = equation.m;
-  const R last = R(1.0) + R((m - 2) / 3) * d;  // of the binomial series
-  r.p = at.p * (R(1.0) + R(m) * d * (R(1.0) + R(0.5 * (m - 1)) * d * last));
-  r.G = on_line(at.G, before.G);
-  r.M_p = on_line(at.M_p, before.M_p);
-  r.M_pt = on_line(at.M_pt, before.M_pt);
-  equation.find_trial(r);
-  equation.mobilise(r);
-  return r;
-}
-
 template <Number R>
 TALUS_HD ReturnPoint<R> select_point(mask_t<R> m, const ReturnPoint<R>& a, const ReturnPoint<R>& b) {
-  return {select(m, a.x, b.x),
-          select(m, a.ln_x, b.ln_x),
-          select(m, a.p, b.p),
-          select(m, a.G, b.G),
-          select(m, a.M_p, b.M_p),
-          select(m, a.M_pt, b.M_pt),
-          select(m, a.h, b.h),
-          select(m, a.dkappa, b.dkappa),
-          select(m, a.residual, b.residual),
-          select(m, a.q_trial, b.q_trial),
-          select(m, a.per_q, b.per_q),
-          select(m, a.lowering, b.lowering),
-          select(m, a.per_root, b.per_root)};
+  return {
+      select(m, a.x, b.x),       select(m, a.p, b.p), select(m, a.G, b.G),           select(m, a.M_p, b.M_p),
+      select(m, a.M_pt, b.M_pt), select(m, a.h, b.h), select(m, a.dkappa, b.dkappa), select(m, a.residual, b.residual)};
 }
 
 /// Implicit return mapping of first order; it always finds a solution. Without a root above `least_x` the contacts have
@@ -276,7 +303,9 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const ReturnEquation<R, Friction> equation(law, state, motion.strain, trial, friction);
 
   const R start = max(trial.x, floor);
-  ReturnPoint<R> r = equation.at(start, log(start));
+  FrictionOfPoint<R> first;
+  ReturnRates<R> rates;
+  ReturnPoint<R> r = equation.at(start, first, rates);
   const M elastic = (r.dkappa <= zero) & (trial.x > floor);
   M lost = (!trial.can_touch) | ((trial.x <= floor) & (r.residual >= zero));
   M open = !(elastic | lost);
@@ -290,36 +319,46 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     return max(R(accuracy_of_x) * at.x, R(accuracy_of_flow) * min(abs(at.x - trial.x), at.x));
   };
   // What the next guess adds to x: a Newton step first, then steps of the secant.
-  R step = any(open) ? -r.residual / max(equation.slope(r), R(0.1)) : zero;
+  R step = any(open) ? -r.residual / max(equation.slope(r, first, rates), R(0.1)) : zero;
+  const bool smooth = law.lode != LodeRule::mohr_coulomb;
   for (int iteration = 0; iteration < 200 && any(open); ++iteration) {
-    R target = r.x + step;
-    const M inside = (target > low) & (target < high), near = inside & (abs(step) < R(0.25) * r.x);
-    R ln_x = r.ln_x + log_of_growth(step, r.x);
+    R target = r.x + step, missed = zero;
+    const M inside = (target > low) & (target < high);
+    ReturnPoint<R> next;
+    M near = inside & !inside;
+    if (smooth && iteration == 0) {
+      near = inside & (abs(step) < R(0.25) * r.x);
+      next = equation.beside(first, target, missed);
+      near = near & (missed <= R(0.5) * near_enough(next));
+    }
     if (!all(near | !open)) {
       const R middle = select(high < unbounded, R(0.5) * (low + high), R(2.0) * low);
       target = select(inside, target, select(low_known, middle, floor));
-      ln_x = select(near, ln_x, log(target));
+      FrictionOfPoint<R> friction_there;
+      next = select_point<R>(near, next, equation.at(target, friction_there, rates));
+      missed = select(near, missed, zero);
     }
-    const ReturnPoint<R> next = equation.at(target, ln_x);
     const M negative = next.residual < zero;
     const M gone = open & (target <= floor) & !negative;
     lost = lost | gone;
 
+    const ReturnPoint<R> before = r;
     const R dx = next.x - r.x, dresidual = next.residual - r.residual;
-    const SlowlyVarying<R> before{r.G, r.M_p, r.M_pt};
     r = select_point<R>(open, next, r);
     low = select(open & negative, r.x, low);
     high = select(open & !negative, r.x, high);
     low_known = low_known | (open & negative);
-    open = open & !gone & (abs(r.residual) > max(near_enough(r), noise)) & ((high - low) > R(4e-16) * high);
+    const R enough = near_enough(r) - missed;
+    open = open & !gone & (abs(r.residual) > max(enough, noise)) & ((high - low) > R(4e-16) * high);
     // The secant's root if it is one; an impossible value halves the bracket instead.
-    step = select(dresidual * dx > R(1e-6) * dx * dx, -r.residual * dx / dresidual, -unbounded);
+    const R t = -r.residual / dresidual;
+    step = select(dresidual * dx > R(1e-6) * dx * dx, t * dx, -unbounded);
     // The secant's root misses the curve's by the step times what the slope changes, relatively: step/dx from the last
     // point, and no less than (dx/x)^2. If that is small, the equation is not evaluated again at the root.
-    const R x2 = r.x * r.x, turn = max(abs(step) * x2, abs(dx * dx * dx));
-    const M sure = open & (abs(step) * turn <= near_enough(r) * x2 * abs(dx));
+    const R x2 = r.x * r.x;
+    const M sure = open & (abs(step) * max(abs(t) * x2, dx * dx) <= enough * x2);
     if (any(sure)) {
-      r = select_point<R>(sure, extrapolate(equation, r, before, step, dx), r);
+      r = select_point<R>(sure, equation.on_line(r, before, t), r);
       open = open & !sure;
     }
   }
@@ -329,12 +368,16 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const R per_a_n = grains_n * grains_n / ((one + trial.e) * law.room_for_growth(state.skeleton_void_ratio));
 
   const M carries = !lost;
+  const SymTensor<R> s_trial = equation.trial_deviator(r.G);
+  const R q2 = R(1.5) * double_dot(s_trial, s_trial), per_q = inverse_root(max(q2, R(1e-200)));
+  const R q = select(r.dkappa > zero, r.p * r.eta(), q2 * per_q);
+  const R back = select(r.dkappa > zero, q * per_q, one);
   if (all(carries)) {
-    state = {equation.stress(r), x, state.kappa + r.dkappa, trial.e};
+    state = {stress_from(back * s_trial, r.p), x, state.kappa + r.dkappa, trial.e};
   } else {
     const R kappa = state.kappa + select(carries, r.dkappa, deviatoric_strain(equation.e_dev));
     const Simsand::State<R> loose = let_go(law, state, D_v, trial, kappa);
-    state = {select<R>(carries, equation.stress(r), loose.stress), select(carries, x, loose.x), kappa,
+    state = {select<R>(carries, stress_from(back * s_trial, r.p), loose.stress), select(carries, x, loose.x), kappa,
              select(carries, trial.e, loose.skeleton_void_ratio)};
   }
 
@@ -347,8 +390,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   // Shear and flow work at the mean of the stresses at both ends, compression along p ~ x^m; a gap opens and closes
   // without work. With stiffness that follows the pressure not all elastic work is stored. When contacts are lost, they
   // release the energy of compression; the energy of shear becomes frictional heat.
-  const R q = select(elastic, r.q_trial, r.p * r.eta());
-  const R q_before = R(1.5) * (equation.ss + R(2.0) * r.G * equation.se) * r.per_q;
+  const R G2 = R(2.0) * r.G, q_before = R(1.5) * (equation.ss + G2 * equation.se) * per_q;
   const R p_mean = R(0.5) * (equation.p_n + r.p), q_mean = R(0.5) * (q_before + q);
   // Energies of compression p x/((m + 1) a) and of shear q^2/(6 G), G = G_1 a p/x, before the step per unit of volume after it.
   const R per_a = trial.per_a, c = R(1 / (equation.m + 1)), c_shear = R(1 / (6 * law.shear_to_bulk() * equation.m));
@@ -358,9 +400,8 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
   const R compressing = (r.p * x - px_n) * c * per_a;
   const R shearing = (qq - qq_n) * R(1.0 / 6) * (r.p * x * per_all);
   const R flowing = p_mean * (trial.x - x) * per_a, half_se = R(0.5) * equation.se;
-  response.work =
-      select(carries, compressing + flowing + half_se + R(0.5) * double_dot(deviator(state.stress), equation.e_dev),
-             half_se - per_a_n * c * px_n);
+  response.work = half_se + select(carries, compressing + flowing + R(0.5) * back * (equation.se + G2 * equation.ee),
+                                   -per_a_n * c * px_n);
   response.plastic_work = select(
       carries, flowing + q_mean * r.dkappa + (per_a_n - per_a) * c * px_n + shearing + shear_before - shear_after,
       half_se + shear_before);

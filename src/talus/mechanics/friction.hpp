@@ -84,30 +84,30 @@ TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
 }
 
 /// The slope as in `friction_slope`, with its derivatives.
-TALUS_HD inline FrictionSlope<double> friction_slope_and_derivatives(LodeRule rule, double t, double S) {
-  const double secant2 = 1 + t * t;
-  const double sine = t / std::sqrt(secant2);
-  const double dsine = 1 / (secant2 * std::sqrt(secant2));
-  const double M = friction_slope(rule, t, S);
-  switch (rule) {
-    case LodeRule::none: return {M, 18 / ((3 - sine) * (3 - sine)) * dsine, 0};
-    case LodeRule::mohr_coulomb: {
-      const double theta = detail::lode_angle(S);
-      const double width = std::numbers::sqrt3 * std::cos(theta) + sine * std::sin(theta);
-      const double by_sine = 3 * std::numbers::sqrt3 * std::cos(theta) / (width * width);
-      const double by_theta =
-          -3 * sine * (sine * std::cos(theta) - std::numbers::sqrt3 * std::sin(theta)) / (width * width);
-      // At the corners of the hexagon S is constant to first order, so the derivative has no effect there.
-      const double cos3 = std::sqrt(std::fmax(1 - S * S, 1e-12));
-      return {M, by_sine * dsine, by_theta / (3 * cos3)};
-    }
-    case LodeRule::sheng: break;
+template <class R>
+TALUS_HD FrictionSlope<R> friction_slope_and_derivatives(LodeRule rule, R t, R S) {
+  const R one(1.0), t2 = t * t, w2 = one + t2;
+  if (rule == LodeRule::sheng) {
+    const R per_w = inverse_root(w2), b = R(12.0) * t * w2 * per_w, c = R(9.0) * w2 + t2;
+    const R A = R(81.0) * w2 * w2 + t2 * (R(54.0) * w2 + t2), B = b * c;
+    const R y = inverse_fourth_root(A + B * S), y2 = y * y, quarter = R(0.25) * y2 * y2;
+    const R M = R(6.0) * t * y;
+    // t dA/dt and t dB/dt
+    const R dA = t2 * (R(432.0) * w2 + R(112.0) * t2), dB = B + b * t2 * (c * per_w * per_w + R(20.0));
+    return {M, R(6.0) * y * (one - quarter * (dA + dB * S)), -quarter * B * M};
   }
-  const double c = (3 - sine) / (3 + sine), c4 = c * c * c * c;
-  const double width = 1 + c4 + (1 - c4) * S;
-  const double by_sine = M * (18 / ((3 - sine) * (3 - sine)) / (6 * sine / (3 - sine)) +
-                              (1 / c - c * c * c * (1 - S) / width) * (-6 / ((3 + sine) * (3 + sine))));
-  return {M, by_sine * dsine, -0.25 * M * (1 - c4) / width};
+  const R per_w = one / sqrt(w2), sine = t * per_w, dsine = per_w * per_w * per_w;
+  const R M = friction_slope(rule, t, S);
+  if (rule == LodeRule::none) return {M, R(18.0) / ((R(3.0) - sine) * (R(3.0) - sine)) * dsine, R(0.0)};
+  const R theta = detail::lode_angle(S), root3(std::numbers::sqrt3);
+  const R cosine = lanewise([](double a) { return std::cos(a); }, theta);
+  const R sine_theta = lanewise([](double a) { return std::sin(a); }, theta);
+  const R width = root3 * cosine + sine * sine_theta, per_width2 = one / (width * width);
+  const R by_sine = R(3.0) * root3 * cosine * per_width2;
+  const R by_theta = R(-3.0) * sine * (sine * cosine - root3 * sine_theta) * per_width2;
+  // At the corners of the hexagon S is constant to first order, so the derivative has no effect there.
+  const R cos3 = sqrt(max(one - S * S, R(1e-12)));
+  return {M, by_sine * dsine, by_theta / (R(3.0) * cos3)};
 }
 
 }  // namespace talus
