@@ -48,12 +48,15 @@ struct GranularOf {
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration& how) const {
     Response<R> response = frictional.update(state.frictional, motion, how);
     const SymTensor<R> before = collisional_stress(state);
-    const R end_of_collisions(separated_grains == SeparatedGrains::stress_free ? 0.0 : -1e300);
+    const bool stress_free = separated_grains == SeparatedGrains::stress_free;
+    const R end_of_collisions(stress_free ? 0.0 : -1e300);
     const mask_t<R> apart = state.frictional.x < end_of_collisions;
     MuI::Collision<R> c{SymTensor<R>::zero(), R(0.0)};
     if (WithHistory || !all(apart)) {
       const R p_f = pressure(state.frictional.stress);
-      const R void_ratio = frictional.specific_volume(state.frictional) - R(1.0);
+      const R void_ratio = !WithHistory && stress_free  // no gap where grains collide
+                               ? state.frictional.skeleton_void_ratio
+                               : frictional.specific_volume(state.frictional) - R(1.0);
       if constexpr (WithHistory)
         c = collisional.collide(state.collisional, motion.strain_rate, void_ratio, p_f,
                                 how.scheme == Integrator::forward_euler);

@@ -108,6 +108,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
       store(&s.p[at.i], contacts(law).pressure_at(x));
     }
   });
+  for (int i = n; i % width_of<R> != 0; ++i) s.volume[i] = 0;
   for (int i = n; i % 4 != 0; ++i) s.cell[i] = s.cell[n - 1];  // where a pack has fewer than four
   // Volume, and its products with the rate, the share and the pressure above that of open material, so that a cell is open where
   // all of its particles are. One particle in four adds to the same numbers: neighbours stand in one cell, and would wait for
@@ -289,7 +290,7 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, const PackPlace& at, 
       const R mean_p = load<R>(&s.mean_p[i]), mean_per_p = load<R>(&s.mean_per_p[i]);
       // The law takes and leaves the energy of the mean pressure; what is stored is that of each compression.
       const R factor = pressed.energy_factor(grains), s2 = pressed.squared_shear(grains);
-      const R taken = law.specific_volume(state) *
+      const R taken = load<R>(&s.volume[i]) *
                       (pressed.stored_in_compression(pressed.compression(grains), load<R>(&s.p[i])) +
                        pressed.stored_in_shear(s2, pressed.compression_per_pressure(pressed.contact_pressure(grains))));
       // Its own compression moves towards what the cell's mean share says; that of the stress is the mean's, unless the whole
@@ -297,15 +298,18 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, const PackPlace& at, 
       const R share = load<R>(&s.share[i]), mixed(how.dt * how.closing < 1 ? how.dt * how.closing : 1);
       pack.own = compression_of_mean(pressed, share + mixed * (load<R>(&s.mean_share[i]) - share));
       const R scale = pressed.impose_compression(grains, pack.own, mean_p);
-      const R x = select(mean_p > R(pressed.open_pressure()), mean_p * mean_per_p, pack.own);
+      const mask_t<R> touch = mean_p > R(pressed.open_pressure());
+      const R x = select(touch, mean_p * mean_per_p, pack.own);
       const R v = law.specific_volume(state);
       const R given =
-          v * (pressed.stored_in_compression(x, mean_p) + pressed.stored_in_shear(scale * scale * s2, mean_per_p));
-      pack.averaging = reference_volume * factor * (taken - given);
+          reference_volume * v *
+          (pressed.stored_in_compression(x, mean_p) + pressed.stored_in_shear(scale * scale * s2, mean_per_p));
+      pack.averaging = factor * (taken - given);
+      pack.v_of_own = v;
+      pressed.compression(grains) = select(touch, x, R(0.0));  // open cells have `v`
+      pack.v_of_stress = select(touch, law.specific_volume(state), v);
       pressed.compression(grains) = x;
       pack.of_stress = x;
-      pack.v_of_own = v;
-      pack.v_of_stress = law.specific_volume(state);
     }
   }
   pack.reference_volume = reference_volume;
