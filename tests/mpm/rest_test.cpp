@@ -115,8 +115,12 @@ TEST(Rest, EndsWhereSomethingFallsOnIt) {
   EXPECT_NEAR(share_left_out(*s), of_column, 1e-12);
   run_until(*s, impact + 0.5 * fall);
   EXPECT_LT(share_left_out(*s), 0.5 * of_column);
-  run_until(*s, impact + 50 * fall);
-  EXPECT_GT(share_left_out(*s), 0.94) << "and all comes to rest again, but for grains on top";
+  double left_out = 0;
+  for (int k = 31; k <= 50; ++k) {
+    run_until(*s, impact + k * fall);
+    left_out += share_left_out(*s) / 20;
+  }
+  EXPECT_GT(left_out, 0.9) << "and all comes to rest again, but for grains on top, which wake a tile now and then";
   expect_all_momentum(s->ledger());
   // What carries it then has the weight of both: 0.5 m and, on half of the width, 0.2 m of sand.
   const Observation seen = s->observe();
