@@ -11,7 +11,7 @@ inline constexpr double least_x = 1e-8;
 /// How far x may be from the root of its equation, relatively, and as a share of what plastic flow takes from it in the step:
 /// dilatancy then errs by as much, little beside the error of a first-order step. The balance of energy does not.
 inline constexpr double accuracy_of_x = 1e-8, accuracy_of_flow = 1e-4;
-/// How far M may be from its equations where they are not evaluated again.
+/// How far M may be from its equations where they are not evaluated again, little beside the error of the flow.
 inline constexpr double accuracy_of_M = 2e-6;
 
 /// Volume change of a step without friction: compression first closes a gap, then causes pressure.
