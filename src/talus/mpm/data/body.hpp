@@ -39,7 +39,7 @@ struct TilePoints {
   Shape shape;
 
   TALUS_HD int size() const { return range.size(); }
-  /// Number of particles from number i of the tile on, at most four or so many.
+  /// Number of particles from number i of the tile on, at most `most`.
   TALUS_HD int count(int i, int most = 4) const { return range.size() - i < most ? range.size() - i : most; }
 };
 template <int Dim, class Shape>
