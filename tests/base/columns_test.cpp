@@ -46,25 +46,47 @@ TEST(Columns, ATableThatShrinksGivesBackItsMemoryOnceItNeedsLessThanHalf) {
   EXPECT_EQ(table.bytes(), 499 * sizeof(double));
 }
 
+/// All rows in one stretch.
+void permute(Columns& table, const std::vector<int>& order) {
+  table.permute(order, [&](auto fill) { fill(0, order.size()); });
+}
+
 TEST(Columns, FewerRowsMayBeTakenThanThereAre) {
   Columns table = table_of({10, 11, 12, 13});
-  Columns::Spare spare(table);
-  table.permute(0, {3, 1}, spare);
+  permute(table, {3, 1});
   table.resize(2);
   EXPECT_EQ(column(table, 0), (std::vector<double>{13, 11}));
 }
 
-TEST(Columns, ColumnsPermutedOneAfterTheOtherUseTheSameSpace) {
-  Columns table(2);
-  table.resize(3);
-  for (int c = 0; c < 2; ++c)
-    for (int i = 0; i < 3; ++i) table.column(c)[i] = 10 * c + i;
-  Columns::Spare spare(table);
-  for (int c = 0; c < 2; ++c) table.permute(c, {2, 0, 1}, spare);
-  EXPECT_EQ(column(table, 0), (std::vector<double>{2, 0, 1}));
-  EXPECT_EQ(column(table, 1), (std::vector<double>{12, 10, 11}));
-  EXPECT_EQ(table.pointers()[0], table.column(0));
-  EXPECT_EQ(table.pointers()[1], table.column(1));
+TEST(Columns, OneRowMayBeTakenTwice) {
+  Columns table = table_of({10, 11, 12});
+  permute(table, {1, 2, 1});
+  EXPECT_EQ(column(table, 0), (std::vector<double>{11, 12, 11}));
+}
+
+TEST(Columns, RowsOfAllBlocksGoTheSameWayWhateverTheStretches) {
+  const int n_columns = 7, n = 300'000;  // three columns a block, one in the last
+  const auto value = [](int c, int i) { return 1e6 * c + i; };
+  Columns table(n_columns);
+  table.resize(n);
+  for (int c = 0; c < n_columns; ++c)
+    for (int i = 0; i < n; ++i) table.column(c)[i] = value(c, i);
+  std::vector<int> order(n);
+  for (int i = 0; i < n; ++i) order[i] = int(7L * i % n);  // 7 does not divide n
+  table.permute(order, [&](auto fill) {
+    fill(200'000, 300'000);
+    fill(0, 1);
+    fill(1, 200'000);
+  });
+  for (int c = 0; c < n_columns; ++c) {
+    EXPECT_EQ(table.pointers()[c], table.column(c));
+    for (int i = 0; i < n; ++i) ASSERT_EQ(table.column(c)[i], value(c, order[i])) << c << ", " << i;
+  }
+  table.resize(1000);  // all columns in one block
+  table.resize(400'000);
+  for (int c = 0; c < n_columns; ++c)
+    for (int i = 0; i < 400'000; ++i)
+      ASSERT_EQ(table.column(c)[i], i < 1000 ? value(c, order[i]) : 0) << c << ", " << i;
 }
 
 TEST(Columns, EveryOneOfManyBeginsOnALineOfTheCacheAndKeepsItsValuesAsTheTableGrowsAndShrinks) {

@@ -18,8 +18,7 @@ class Columns {
   using Values = std::unique_ptr<double[], FreeMemory>;
 
  public:
-  explicit Columns(int n_columns)
-      : blocks_(std::size_t(n_columns + columns_a_block - 1) / columns_a_block), pointers_(std::size_t(n_columns)) {}
+  explicit Columns(int n_columns) : pointers_(std::size_t(n_columns)) {}
 
   int n_columns() const { return int(pointers_.size()); }
   int size() const { return size_; }
@@ -35,34 +34,38 @@ class Columns {
   void resize(int n) {
     if (!keeps_memory_with(n)) {
       n_that_fit_ = size_ == 0 || n < size_ ? n : n + std::min(n / 128, std::numeric_limits<int>::max() - n);
-      for (int b = 0; b < int(blocks_.size()); ++b) move_block(b, std::min(size_, n));
+      move(std::min(size_, n));
     } else if (n > size_) {
       for (double* column : pointers_) std::fill(column + size_, column + n, 0.0);
     }
     size_ = n;
   }
 
-  /// Working space of `permute`.
-  class Spare {
-   public:
-    explicit Spare(const Columns& columns) : values_(allocate(columns.stride())) {}
-
-   private:
-    friend Columns;
-    Values values_;
-  };
-
-  /// Permutes one column: row i becomes the former row order[i]. Rows behind the last of `order` keep their values.
-  void permute(int c, const std::vector<int>& order, Spare& spare) {
-    double *values = column(c), *permuted = spare.values_.get();
-    for (std::size_t i = 0; i < order.size(); ++i) permuted[i] = values[order[i]];
-    std::copy(permuted, permuted + order.size(), values);
+  /// Permutes all columns: row i becomes the former row order[i]. Rows behind the last of `order` are undefined. Needs working
+  /// space for a block of columns. `for_each_stretch(f)` calls f(begin, end) for stretches that make up [0, order.size()), by
+  /// several threads if it likes: each row is read and written by the thread that has its place in the order.
+  template <class Stretches>
+  void permute(const std::vector<int>& order, Stretches for_each_stretch) {
+    Values spare;
+    std::size_t n_spare = 0;
+    for (int b = 0; b < int(blocks_.size()); ++b) {
+      const std::size_t n_values = values_of_block(b);
+      if (std::exchange(n_spare, n_values) != n_values) spare = allocate(n_values);
+      const int first = b * columns_a_block_, end = first + columns_of_block(b);
+      const auto permuted = [&](int c) { return spare.get() + std::size_t(c - first) * stride(); };
+      for_each_stretch([&](std::size_t from, std::size_t to) {
+        for (int c = first; c < end; ++c) {
+          const double* const values = column(c);
+          double* const moved = permuted(c);
+          for (std::size_t i = from; i < to; ++i) moved[i] = values[order[i]];
+        }
+      });
+      for (int c = first; c < end; ++c) pointers_[std::size_t(c)] = permuted(c);
+      std::swap(blocks_[std::size_t(b)], spare);
+    }
   }
 
  private:
-  /// So many columns stand in one piece of memory, which makes it large enough for large pages.
-  static constexpr int columns_a_block = 8;
-
   bool keeps_memory_with(int n) const { return n <= n_that_fit_ && n >= n_that_fit_ / 2; }
   /// Numbers from one column to the next.
   std::size_t stride() const {
@@ -72,24 +75,36 @@ class Columns {
   static Values allocate(std::size_t n) {
     return Values(static_cast<double*>(large_memory(n * sizeof(double)).release()));
   }
-  /// Gives a block new memory; the first rows keep their values.
-  void move_block(int b, int n_kept) {
-    const int first = b * columns_a_block, n = std::min(n_columns() - first, columns_a_block);
-    const std::size_t n_values = std::size_t(n) * stride();
-    Values values = allocate(n_values);
-    std::fill_n(values.get(), n_values, 0.0);
-    for (int c = 0; c < n; ++c) {
-      double*& column = pointers_[std::size_t(first + c)];
-      double* const moved = values.get() + std::size_t(c) * stride();
-      if (n_kept > 0) std::copy(column, column + n_kept, moved);
-      column = moved;
+  int columns_of_block(int b) const { return std::min(n_columns() - b * columns_a_block_, columns_a_block_); }
+  std::size_t values_of_block(int b) const { return std::size_t(columns_of_block(b)) * stride(); }
+  /// Gives all columns new memory; the first rows keep their values.
+  void move(int n_kept) {
+    std::vector<Values> old = std::exchange(blocks_, {});
+    const int columns_an_old_block = columns_a_block_;
+    const std::size_t that_fit = block_bytes / (stride() * sizeof(double));
+    columns_a_block_ = int(std::clamp(that_fit, std::size_t(1), std::size_t(most_columns_a_block)));
+    for (int first = 0; first < n_columns(); first += columns_a_block_) {
+      const std::size_t n_values = values_of_block(int(blocks_.size()));
+      blocks_.push_back(allocate(n_values));
+      double* moved = blocks_.back().get();
+      std::fill_n(moved, n_values, 0.0);
+      for (int c = first; c < std::min(first + columns_a_block_, n_columns()); ++c, moved += stride()) {
+        double*& column = pointers_[std::size_t(c)];
+        if (n_kept > 0) std::copy(column, column + n_kept, moved);
+        column = moved;
+        if ((c + 1) % columns_an_old_block == 0 && n_kept > 0) old[std::size_t(c / columns_an_old_block)].reset();
+      }
     }
-    blocks_[std::size_t(b)] = std::move(values);
   }
+
+  /// Columns stand side by side in blocks of this size, or of this many columns: large enough for large pages, and small enough
+  /// for working space.
+  static constexpr std::size_t block_bytes = std::size_t(8) << 20;
+  static constexpr int most_columns_a_block = 8;
 
   std::vector<Values> blocks_;
   std::vector<double*> pointers_;
-  int size_ = 0, n_that_fit_ = 0;
+  int size_ = 0, n_that_fit_ = 0, columns_a_block_ = 1;
 };
 
 }  // namespace talus

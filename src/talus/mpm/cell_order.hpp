@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -159,14 +158,13 @@ void wrap_periodic(Bodies& bodies, const Domain<Dim>& domain) {
           body.particles.position(a)[i] = domain.in_first_period(body.particles.position(a)[i], a);
 }
 
-/// Moves row order[i] of all columns to row i. Rows that are not in it are removed; one may be in it several times.
+/// Moves row order[i] of all columns to row i. Rows that are not in it are removed; one may be in it several times. Each worker
+/// fills a stretch of rows, about those of its tiles, so that they stay in its cache.
 inline void reorder(Columns& columns, const std::vector<int>& order, Backend& backend) {
   if (int(order.size()) > columns.size()) columns.resize(int(order.size()));
-  std::vector<std::optional<Columns::Spare>> spare(std::size_t(backend.n_workers()));
-  backend.for_each(columns.n_columns(), [&](int c, int worker) {
-    std::optional<Columns::Spare>& own = spare[std::size_t(worker)];
-    if (!own) own.emplace(columns);
-    columns.permute(c, order, *own);
+  columns.permute(order, [&](auto fill) {
+    const std::size_t n = order.size(), n_parts = std::size_t(backend.n_workers());
+    for_each_of(backend, n_parts, [&](std::size_t part) { fill(n * part / n_parts, n * (part + 1) / n_parts); });
   });
   columns.resize(int(order.size()));
 }
