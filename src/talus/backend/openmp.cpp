@@ -27,10 +27,11 @@ class OpenMP final : public Backend {
         std::atomic<int>& next = next_[whose].number;
         const int end = shares[whose + 1];
         while (true) {
-          // An atomic operation waits until all that was written before is in the cache, so a few numbers are taken at once.
+          // An atomic operation waits until all that was written before is in the cache, and what helpers take goes from one
+          // cache to another: so half of what is left is taken at once.
           const int left = end - next.load(std::memory_order_relaxed);
           if (left <= 0) break;
-          const int n = std::max(1, left / 8), first = next.fetch_add(n, std::memory_order_relaxed);
+          const int n = std::max(1, left / 2), first = next.fetch_add(n, std::memory_order_relaxed);
           for (int i = first; i < std::min(first + n, end); ++i) try {
               body(i, worker);
             } catch (...) {
