@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -21,6 +22,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include "talus/backend/backend.hpp"
@@ -242,16 +244,47 @@ void run_on(const std::vector<int>& these) {
   sched_setaffinity(0, sizeof set, &set);
 }
 
-/// How many times as fast steps are on several threads as on one: the median of blocks in turn, each between blocks of one
-/// thread on each of the first processors. Nothing if there are fewer processors than threads.
-std::optional<double> speed_up(Simulation& simulation, TimedLoop& loop, int threads, bool quick) {
+/// How long a line of the cache takes from one processor to another and back [s], the best of several tries. Cores that share a
+/// cache are some times as fast as others, and a virtual machine may be moved from such cores to others at any time.
+double seconds_there_and_back(int from, int to) {
+  constexpr int n_tries = 5, n_times = 200;
+  std::atomic<int> ball = 0;  // each side waits for its own numbers: even ones here, odd ones there
+  std::thread other([&] {
+    run_on({to});
+    for (int k = 1; k < 2 * n_tries * n_times; k += 2) {
+      while (ball.load() != k) continue;
+      ball.store(k + 1);
+    }
+  });
+  run_on({from});
+  double best = 1e300;
+  for (int k = 0; k < 2 * n_tries * n_times;) {
+    const double start = wall_seconds();
+    for (const int end = k + 2 * n_times; k < end; k += 2) {
+      ball.store(k + 1);
+      while (ball.load() != k + 2) continue;
+    }
+    best = std::min(best, (wall_seconds() - start) / n_times);
+  }
+  other.join();
+  return best;
+}
+
+struct SpeedUp {
+  double ratio;                                           ///< of the speed on several threads to that on one
+  double distance_least, distance_median, distance_most;  ///< between the processors: there and back [s]
+};
+
+/// Median over blocks in turn, each between blocks of one thread on each of the first processors. Nothing if there are fewer
+/// processors than threads.
+std::optional<SpeedUp> speed_up(Simulation& simulation, TimedLoop& loop, int threads, bool quick) {
   const std::vector<int> all = processors();
   if (int(all.size()) < threads) return std::nullopt;
   const int n_rounds = quick ? 5 : std::max(5, 50 / threads);
   const double block_seconds = quick ? 0.05 : 0.1;
   loop.threaded = false;
   const int n_steps = std::max(2, int(block_seconds / measure(simulation, loop, 3).wall));
-  std::vector<double> ratios;
+  std::vector<double> ratios, distances;
   for (int round = 0; round < n_rounds; ++round) {
     double rate_of_one = 0, seconds = 0;  // of one thread, mean of the processors; of a step on all threads
     for (int k = 0; k < threads; ++k) {
@@ -263,10 +296,16 @@ std::optional<double> speed_up(Simulation& simulation, TimedLoop& loop, int thre
       seconds += measure(simulation, loop, n_steps).wall / threads;
     }
     ratios.push_back(1 / (seconds * rate_of_one));
+    double distance = 0;
+    for (int k = 1; k < threads; ++k)
+      distance = std::max(distance, seconds_there_and_back(all.front(), all[std::size_t(k)]));
+    distances.push_back(distance);
   }
   run_on(all);
-  std::nth_element(ratios.begin(), ratios.begin() + n_rounds / 2, ratios.end());
-  return ratios[std::size_t(n_rounds / 2)];
+  std::sort(ratios.begin(), ratios.end());
+  std::sort(distances.begin(), distances.end());
+  const std::size_t middle = std::size_t(n_rounds / 2);
+  return SpeedUp{ratios[middle], distances.front(), distances[middle], distances.back()};
 }
 
 void print_head() {
@@ -315,8 +354,10 @@ void run(const Benchmark& benchmark, bool quick, int most_threads) {
     fmt::print("{:>8.0f}\n", 100 * rest);
     std::fflush(stdout);
   }
-  if (const auto ratio = speed_up(*simulation, loop, most_threads, quick))
-    fmt::print("{:<27}{:>20} x {:.2f}\n", "", fmt::format("{} threads over one:", most_threads), *ratio);
+  if (const auto s = speed_up(*simulation, loop, most_threads, quick))
+    fmt::print("{:<27}{:>20} x {:.2f}; between the cores and back: {:.0f} ns ({:.0f} to {:.0f})\n", "",
+               fmt::format("{} threads over one:", most_threads), s->ratio, 1e9 * s->distance_median,
+               1e9 * s->distance_least, 1e9 * s->distance_most);
   std::fflush(stdout);
 }
 
