@@ -115,7 +115,8 @@ struct ReturnEquation {
   /// Evaluates the equations at x.
   TALUS_HD ReturnPoint<R> at(R x, FrictionOfPoint<R>& f, ReturnRates<R>& rates) const {
     const R ln_P = R(m) * log(x);
-    ReturnPoint<R> r = begin(x, rates);
+    ReturnPoint<R> r = elastic_at(x, ln_P);
+    find_trial(r.G, rates);
     f.x = x;
     f.per_x = R(1.0) / x;
     f.S = lode(r.G, rates.per_q);
@@ -137,7 +138,8 @@ struct ReturnEquation {
   TALUS_HD ReturnPoint<R> beside(const FrictionOfPoint<R>& f, R x, R& missed) const {
     const R one = R(1.0);
     ReturnRates<R> rates;
-    ReturnPoint<R> r = begin(x, rates);
+    ReturnPoint<R> r = elastic_at(x);
+    find_trial(r.G, rates);
     const R dS = lode(r.G, rates.per_q) - f.S;
     const double b = m * law.xi;  // ln(e_ref/e_c) ~ x^b, as a binomial series
     const R t = (x - f.x) * f.per_x;
@@ -156,19 +158,15 @@ struct ReturnEquation {
     return r;
   }
 
-  /// p and the secant modulus G at x, and the trial stress.
-  TALUS_HD ReturnPoint<R> begin(R x, ReturnRates<R>& rates) const {
-    ReturnPoint<R> r = elastic_at(x);
-    find_trial(r.G, rates);
-    return r;
-  }
-  TALUS_HD ReturnPoint<R> elastic_at(R x) const {
+  /// p and the secant modulus G at x, where ln(p/p_at) is known; it is not used where p is a square.
+  TALUS_HD ReturnPoint<R> elastic_at(R x, R ln_P) const {
     ReturnPoint<R> r;
     r.x = x;
-    r.p = R(atmospheric_pressure) * (m == 2 ? x * x : exp(R(m) * log(x)));
+    r.p = R(atmospheric_pressure) * (m == 2 ? x * x : exp(ln_P));
     r.G = R(law.shear_to_bulk()) * trial.a * mean_stiffness(x, r.p);
     return r;
   }
+  TALUS_HD ReturnPoint<R> elastic_at(R x) const { return elastic_at(x, m == 2 ? R(0.0) : R(m) * log(x)); }
   /// K/a: change of pressure over change of x; the mean of the tangents where the two are too close to subtract.
   TALUS_HD R mean_stiffness(R x, R p) const {
     if (m == 2) return R(atmospheric_pressure) * (x + x_n);
@@ -325,9 +323,8 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
     R target = r.x + step, missed = zero;
     const M inside = (target > low) & (target < high);
     ReturnPoint<R> next;
-    M near = inside & !inside;
-    if (smooth && iteration == 0) {
-      near = inside & (abs(step) < R(0.25) * r.x);
+    M near = inside & (abs(step) < R(smooth && iteration == 0 ? 0.25 : 0) * r.x);
+    if (any(near)) {
       next = equation.beside(first, target, missed);
       near = near & (missed <= R(0.5) * near_enough(next));
     }
