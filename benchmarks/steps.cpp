@@ -3,8 +3,7 @@
 /// Prints one table. Every measurement is a block of steps that is repeated, and the best block counts: what else runs
 /// on a machine can only slow it down. Several threads are compared with one in a line of its own, the median over short
 /// blocks in turn, with one thread on each of the cores: cores of a shared machine differ in speed. Rates a CPU-second
-/// count the processor time of all threads; for them to mean work, threads that wait must soon sleep, as they do in talus
-/// (GOMP_SPINCOUNT=1000, as `./dev bench` sets it).
+/// count the processor time of all threads.
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -54,7 +53,7 @@ constexpr int n_phases = std::size(phases);
 /// at the processor time is a call of the system, which would take a percent of a short step.
 class TimedLoop final : public Backend {
  public:
-  explicit TimedLoop(int most_threads) : threaded_(make_openmp(most_threads)), serial_(make_serial()) {}
+  explicit TimedLoop(int most_threads) : threaded_(make_threads(most_threads)), serial_(make_serial()) {}
 
   int n_workers() const override { return threaded_->n_workers(); }
   using Backend::for_each;

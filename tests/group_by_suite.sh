@@ -9,7 +9,7 @@ patterns=$(grep -v '^#' "${3-/dev/null}" || true)
     function write_group() {
       if (!n) return
       printf "add_test([=[%s.%d]=] [=[%s]=] [=[--gtest_filter=%s]=])\n", suite, group, program, names
-      printf "set_tests_properties([=[%s.%d]=] PROPERTIES TIMEOUT 1800 ENVIRONMENT OMP_WAIT_POLICY=passive)\n", suite, group
+      printf "set_tests_properties([=[%s.%d]=] PROPERTIES TIMEOUT 1800)\n", suite, group
       names = ""
       n = 0
     }

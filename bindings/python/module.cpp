@@ -133,7 +133,7 @@ class Simulation {
  public:
   Simulation(const std::string& name, const std::string& text, const std::string& folder, int threads)
       : case_(talus::read_case_text(name, text, folder).case_),
-        backend_(talus::make_openmp(threads)),
+        backend_(talus::make_threads(threads)),
         simulation_(talus::make_simulation(case_, *backend_)),
         outlines_(case_, simulation_->places()) {}
 

@@ -85,8 +85,8 @@ TEST_F(Robustness, OutOfMemoryIsAMessage) {
               "run " + cases + "slump_2d.toml --threads 1 --set \"body.column.spacing=0.06 mm\" --out " + in("out"));
   EXPECT_EQ(run.code, 3) << run.output;
   EXPECT_TRUE(has(run.output, "not enough memory")) << run.output;
-  // HDF5 uses memory that it did not get, or leaves; libgomp leaves where it gets no thread. Libraries that get none before
-  // the program begins say so in words of their own.
+  // HDF5 uses memory that it did not get, or leaves. Libraries that get none before the program begins say so in words of
+  // their own.
   for (int kilobytes = 150000; kilobytes < 300000; kilobytes += 7000) {
     const Finished small =
         limited("ulimit -v " + std::to_string(kilobytes),

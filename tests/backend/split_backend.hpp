@@ -77,7 +77,7 @@ class MeetingPlace {
 class SplitBackend : public Backend {
  public:
   SplitBackend(MeetingPlace& place, int owner, int n_threads)
-      : place_(place), owner_(owner), threads_(n_threads == 1 ? make_serial() : make_openmp(n_threads)) {}
+      : place_(place), owner_(owner), threads_(n_threads == 1 ? make_serial() : make_threads(n_threads)) {}
 
   int n_workers() const override { return threads_->n_workers(); }
   using Backend::for_each;

@@ -150,7 +150,7 @@ TEST_F(Resumption, ACalibrationThatWasStoppedEndsAtTheSameBits) {
   c.settings.by_stages = true;
   c.fingerprint = 42;
   const CalibrationResult whole = result_of(c);
-  const auto loop = make_openmp(1);
+  const auto loop = make_threads(1);
   std::optional<CalibrationResult> parts;
   CalibrationState state;
   for (int run = 0; run < 100 && !parts; ++run) {

@@ -91,7 +91,7 @@ inline Calibration calibration(const AnyLaw& start, std::vector<FreeParameter> f
 
 inline CalibrationResult result_of(const Calibration& c, int threads = 1) {
   CalibrationState state;
-  const auto loop = make_openmp(threads);
+  const auto loop = make_threads(threads);
   return *calibrate(c, *loop, state, {});
 }
 

@@ -31,7 +31,7 @@ TEST(Arrangement, OccupiedTilesComeFirstAndHaveTheirParticles) {
 
 TEST(Arrangement, EveryTileIsInTheShareOfOneThread) {
   SmallModel<> small(unit_cells<2>(16), {{9, 9}, {1, 1}, {9.5, 1}, {2, 2}}, pure_flip(), {}, {}, {{1000, 0}},
-                     make_openmp(3));
+                     make_threads(3));
   auto& m = small.model;
   arrange(m);
   const auto& [tiles, shares] = m.all_tiles;
@@ -46,7 +46,7 @@ TEST(Arrangement, EveryTileIsInTheShareOfOneThread) {
 
 TEST(Arrangement, ThreadsHaveTheEmptyTilesAroundTheirParticles) {
   // Particles far apart, each in the middle of a tile whose particles reach the tiles before it.
-  SmallModel<> small(unit_cells<2>(64), {{8.5, 8.5}, {40.5, 40.5}}, pure_flip(), {}, {}, {{1000, 0}}, make_openmp(2));
+  SmallModel<> small(unit_cells<2>(64), {{8.5, 8.5}, {40.5, 40.5}}, pure_flip(), {}, {}, {{1000, 0}}, make_threads(2));
   auto& m = small.model;
   arrange(m);
   const auto& [tiles, shares] = m.all_tiles;

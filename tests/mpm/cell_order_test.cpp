@@ -121,7 +121,7 @@ TEST(CellOrder, WorkersMakeTheOrderOfAStableSort) {
   std::stable_sort(expected.begin(), expected.end(), [&](int i, int j) { return key(i) < key(j); });
   for (const int n_workers : {1, 2, 3, 7}) {
     auto bodies = bodies_at({places});
-    sort_by_cell(bodies, rows, domain, tiles, *make_openmp(n_workers));
+    sort_by_cell(bodies, rows, domain, tiles, *make_threads(n_workers));
     EXPECT_EQ(ids(bodies[0]), std::vector<double>(expected.begin(), expected.end())) << n_workers;
     for (std::size_t t = 0; t < tiles.places.size(); ++t)
       for (int i = bodies[0].tiles[t].begin; i < bodies[0].tiles[t].end; ++i)

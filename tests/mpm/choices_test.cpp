@@ -353,7 +353,7 @@ TEST(Axisymmetric, ARingHasTheMassOfItsVolumePerRadianAndFallsFreely) {
 TEST(Axisymmetric, ASandColumnInASmoothTubeStaysAtRestUnderItsWeight) {
   Case what = column_at_rest(2, WallKind::slip);
   what.axisymmetric = true;
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const auto s = make_simulation(what, *loop);
   run_until(*s, 0.1);
   EXPECT_LT(s->ledger().max_speed, 2e-3 * std::sqrt(10));  // as in plane strain
@@ -390,7 +390,7 @@ TEST(Axisymmetric, ACollapsingCylinderOfSandSpreadsAsInThreeDimensions) {
     }
     what.bodies[0].spacing = 0.025;
     what.numerics.tau = 0.08 * std::sqrt(0.3 / g);
-    const auto loop = make_openmp(2);
+    const auto loop = make_threads(2);
     const auto s = make_simulation(what, *loop);
     run_until(*s, 0.5);
     const Observation seen = s->observe();
@@ -452,7 +452,7 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWay
             std::vector<Ledger> ledgers;
             std::map<std::string, std::vector<double>> half_way;
             for (int threads : {1, 2, 3, 7}) {
-              const auto loop = make_openmp(threads);
+              const auto loop = make_threads(threads);
               const auto s = make_simulation(what, *loop);
               for (int i = 0; i < 14; ++i) {
                 if (i == 7 && threads == 1) half_way = in_memory(s->save());
@@ -461,7 +461,7 @@ TEST(Choices, EveryCombinationGivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWay
               seen.push_back(s->observe());
               ledgers.push_back(s->ledger());
             }
-            const auto loop = make_openmp(2);
+            const auto loop = make_threads(2);
             const auto resumed = make_simulation(what, *loop);
             resumed->restore(reader_of(half_way));
             for (int i = 0; i < 7; ++i) resumed->step();

@@ -239,7 +239,7 @@ TEST(Walls, SandBesideAFrictionalFloorComesToRestOnIt) {
   what.bodies[0].void_ratio = 0.85;
   what.bodies[0].initial_stress = InitialStress::k0;
   what.numerics.average_pressure = true;
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const auto s = make_simulation(what, *loop);
   run_until(*s, 1.0);
   const double x = mean(s->observe(), "position", 0);
@@ -481,7 +481,7 @@ TEST(Solids, ContactsGiveTheSameBitsOnAnyNumberOfThreadsAndAfterAStop) {
   what.walls[0] = WallKind::slip;
   what.solids = {{"ball", Sphere{{0.8, 0.1, 0}, 0.15}, Wall(WallKind::friction, 0.5, true),
                   PrescribedMotion{{{0}, {Vec<3>{}}, {-0.5, 0, 0}}}}};
-  const auto one = make_serial(), three = make_openmp(3);
+  const auto one = make_serial(), three = make_threads(3);
   const auto unbroken = make_simulation(what, *one), other = make_simulation(what, *three),
              resumed = make_simulation(what, *three);
   for (int i = 0; i < 150; ++i) unbroken->step();

@@ -31,7 +31,7 @@ TEST(Inspect, AnObservationHasTheParticlesInTheOrderOfTheirIds) {
   Body<2> body = pair();
   body.particles.set_id(0, 1);
   body.particles.set_id(1, 0);
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   Observation seen;
   observe_body(body, 7, std::vector<SymTensor<double>>(2, SymTensor<double>::zero()), *loop, seen);
   gather(*loop, seen);

@@ -166,14 +166,14 @@ TEST(LoadsOnRubber, GiveTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
   std::vector<std::vector<double>> ledgers;
   std::map<std::string, std::vector<double>> half_way;
   for (int threads : {1, 2, 3, 7}) {
-    const auto loop = make_openmp(threads);
+    const auto loop = make_threads(threads);
     const auto s = make_simulation(what, *loop);
     run_until(*s, 0.05);
     if (threads == 2) half_way = in_memory(s->save());
     run_until(*s, 0.1);
     ledgers.push_back(image_of(s->ledger()));
   }
-  const auto loop = make_openmp(3);
+  const auto loop = make_threads(3);
   const auto resumed = make_simulation(what, *loop);
   resumed->restore(reader_of(half_way));
   run_until(*resumed, 0.1);

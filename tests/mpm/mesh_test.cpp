@@ -158,7 +158,7 @@ TEST(SolidOfTriangles, HasTheSameBitsOnAnyNumberOfThreads) {
   std::vector<double> places[2];
   int k = 0;
   for (const int threads : {1, 2}) {
-    const auto loop = threads == 1 ? make_serial() : make_openmp(threads);
+    const auto loop = threads == 1 ? make_serial() : make_threads(threads);
     const auto s = make_simulation(what, *loop);
     for (int i = 0; i < 60; ++i) s->step();
     places[k++] = s->observe().find("position")->values;

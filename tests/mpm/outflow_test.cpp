@@ -149,7 +149,7 @@ TEST(OutflowOfSand, ABinRunsOutAtAConstantRateAsAnHourglassDoes) {
   // Grains carry themselves on the walls of the bin and on an arch over the slit: how fast they run out does not depend on
   // how high they stand (Beverloo, Leniger and van de Velde 1961, Chem. Eng. Sci. 15:260). Water would run out at
   // sqrt(2 g h): from 0.15 to 0.11 m the rate would fall by a seventh.
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const Case what = bin(0.004);
   const auto s = make_simulation(what, *loop);
   run_until(*s, 0.1);
@@ -176,7 +176,7 @@ TEST(OutflowOfSand, APlateAsThickAsACellHoldsTheSandOnItHoweverItLiesInTheGrid) 
     what.numerics.stiffness_factor = 0.1;  // for longer steps
     for (Box* box : {&std::get<Box>(what.bodies[0].region), &std::get<Box>(what.solids[0].shape)})
       for (Vec<3>* corner : {&box->min, &box->max}) (*corner)[1] += shift;
-    const auto loop = make_openmp(2);
+    const auto loop = make_threads(2);
     const auto s = make_simulation(what, *loop);
     for (int i = 1; i <= 3; ++i) {
       run_until(*s, 0.05 * i);
@@ -196,7 +196,7 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
   std::map<std::string, std::vector<double>> half_way;
   const double middle = 0.07, end = 0.09;
   for (int threads : {1, 2, 3, 7}) {
-    const auto loop = make_openmp(threads);
+    const auto loop = make_threads(threads);
     const auto s = make_simulation(what, *loop);
     run_until(*s, middle);
     if (threads == 1) {
@@ -207,7 +207,7 @@ TEST(OutflowOfSand, GivesTheSameBitsOnAnyNumberOfThreadsAndFromHalfWayOn) {
     seen.push_back(s->observe());
     ledgers.push_back(s->ledger());
   }
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const auto resumed = make_simulation(what, *loop);
   run_until(*resumed, end);  // has lost more than what it is put back to
   resumed->restore(reader_of(half_way));

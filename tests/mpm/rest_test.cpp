@@ -172,7 +172,7 @@ TEST(Rest, GoesOnByTheSameBitsWithAnyNumberOfThreadsAndFromACheckpoint) {
   const auto resumed = make_simulation(slump(0.01), *loop);
   resumed->restore(reader_of(middle));
   expect_same(*resumed);
-  const auto threads = make_openmp(3);
+  const auto threads = make_threads(3);
   expect_same(*make_simulation(slump(0.01), *threads));
 }
 

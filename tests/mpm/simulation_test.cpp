@@ -185,7 +185,7 @@ TEST(Simulation, TwoElasticDisksBounceAndKeepTheirEnergy) {
 // ---- sand at rest ------------------------------------------------------------------------------------------------
 
 TEST_P(InBothDimensions, ASandColumnBetweenSmoothWallsStaysAtRestUnderItsWeight) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const auto s = make_simulation(column_at_rest(GetParam(), WallKind::slip), *loop);
   run_until(*s, 0.1);
   EXPECT_LT(s->ledger().max_speed,
@@ -219,7 +219,7 @@ Case loose_block(double gap) {
 }
 
 TEST(Simulation, SandWithoutStressSettlesOnAFloorAsFarAsItsWeightPressesIt) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   const auto s = make_simulation(loose_block(0), *loop);
   run_until(*s, 0.3);
   // The column's own compression from nothing to rho g z, at most: uniaxial, x = sqrt(p/p_at) = a strain.
@@ -230,7 +230,7 @@ TEST(Simulation, SandWithoutStressSettlesOnAFloorAsFarAsItsWeightPressesIt) {
 }
 
 TEST(Simulation, SandThatDropsOnAFloorStaysAndGainsNoEnergy) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   for (double gap : {0.05, 0.5}) {
     const auto s = make_simulation(loose_block(gap), *loop);
     double most = s->ledger().kinetic + s->ledger().potential;
@@ -244,7 +244,7 @@ TEST(Simulation, SandThatDropsOnAFloorStaysAndGainsNoEnergy) {
 }
 
 TEST(Simulation, InsideACellThePressureVariesByATenth) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   Case what = column_at_rest(2, WallKind::no_slip);
   what.walls[0] = what.walls[1] = WallKind::open;  // and let go
   what.domain = {{-1, 0, 0}, {1.4, 0.6, 0}};
@@ -276,7 +276,7 @@ TEST(Simulation, InsideACellThePressureVariesByATenth) {
 }
 
 TEST(Simulation, ASlumpAccountsForItsEnergyAndKeepsItsSymmetry) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   Case what = column_at_rest(2, WallKind::no_slip);
   what.domain = {{-1, 0, 0}, {1.4, 0.6, 0}};
   what.n_cells = {48, 12, 0};
@@ -309,7 +309,7 @@ TEST_P(InBothDimensions, TheResultHasTheSameBitsOnAnyNumberOfThreads) {
   std::vector<Observation> seen;
   std::vector<Ledger> ledgers;
   for (int threads : {0, 1, 2, 7}) {
-    const auto loop = threads == 0 ? make_serial() : make_openmp(threads);
+    const auto loop = threads == 0 ? make_serial() : make_threads(threads);
     const auto s = make_simulation(what, *loop);
     for (int i = 0; i < 120; ++i) s->step();
     seen.push_back(s->observe());
@@ -335,7 +335,7 @@ TEST_P(InBothDimensions, ARunPutBackWhereItWasSavedGoesOnByTheSameBitsOnAnotherN
   what.bodies.push_back(what.bodies[0]);  // two bodies, one upon the other
   what.bodies[0].region = GetParam() == 2 ? Box{{0, 0, 0}, {0.4, 0.2, 0}} : Box{{0, 0, 0}, {0.4, 0.2, 0.2}};
   what.bodies[1].region = GetParam() == 2 ? Box{{0, 0.2, 0}, {0.4, 0.5, 0}} : Box{{0, 0, 0.2}, {0.4, 0.2, 0.5}};
-  const auto one = make_serial(), three = make_openmp(3);
+  const auto one = make_serial(), three = make_threads(3);
   const auto unbroken = make_simulation(what, *one);
   SavedState saved;
   // Saved at instants that lie anywhere between two sortings of the particles, into a run that has gone elsewhere.
@@ -387,7 +387,7 @@ TEST(Simulation, ScaledStiffnessIsThatOfASofterMaterialBitForBit) {
 }
 
 TEST(Simulation, ATenthOfTheStiffnessMakesStepsOfGroundAtRestLongerByTheRootOfTen) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   Case what = column_at_rest(2, WallKind::slip);
   const auto stiff = make_simulation(what, *loop);
   what.numerics.stiffness_factor = 0.1;
@@ -427,7 +427,7 @@ TEST(Simulation, AtRestWavesBoundTheStepAndTheTallySaysSo) {
 
 /// The largest speed, half a second after its start, of a sand column at rest that is filled in no order [m/s].
 double speed_at_rest(int dim, double cfl) {
-  const auto loop = make_openmp(2);
+  const auto loop = make_threads(2);
   Case what = column_at_rest(dim, WallKind::no_slip);
   what.bodies[0].spacing = 0.025;
   what.bodies[0].lattice = Lattice::blue_noise;

@@ -598,7 +598,7 @@ Result after_steps(const Case& case_, Backend& backend) {
 
 TEST(Avalanche, HasTheSameBitsOnAnyNumberOfThreadsAndOwners) {
   const Case case_ = avalanche();
-  const auto serial = make_serial(), one = make_openmp(1), two = make_openmp(2);
+  const auto serial = make_serial(), one = make_threads(1), two = make_threads(2);
   const Result expected = after_steps(case_, *serial);
   EXPECT_TRUE(after_steps(case_, *one) == expected);
   EXPECT_TRUE(after_steps(case_, *two) == expected);

@@ -112,7 +112,7 @@ TEST_F(ARunInSpace, KeepsItsParticlesAndGoesOnFromItsCheckpointWithTheSameBits) 
   const char* by_hand = std::getenv("TALUS_POINTS");
   const double n = by_hand ? std::atof(by_hand) : 3e4;
   const Case what = sliding_block(n);
-  const auto threads = make_openmp(by_hand ? 0 : 2);
+  const auto threads = make_threads(by_hand ? 0 : 2);
   Meter meter(by_hand, n);
   std::map<std::string, std::size_t> unbroken;
   {

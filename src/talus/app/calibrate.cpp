@@ -62,7 +62,7 @@ int calibrate_law(const CalibrateOptions& options) {
   const fs::path state_file = folder / "state.json";
   CalibrationState state;
   if (options.resume && fs::exists(state_file)) state = read_state(state_file, calibration.fingerprint);
-  const auto loop = make_openmp(usable_threads(options.threads, options.force_threads));
+  const auto loop = make_threads(usable_threads(options.threads, options.force_threads));
   print_plan(calibration, loop->n_workers());
 
   const Interrupt interrupt;

@@ -195,7 +195,7 @@ int check_case(const CheckOptions& options) {
   ExpectedSteps steps{double(tried), fmt::format("{}, counted in a run to the end", tried)};
   if (simulation->ledger().time < case_.end) {
     simulation.reset();  // makes room for another one
-    steps = expect_steps(case_, *make_openmp(threads), first_dt, per_step);
+    steps = expect_steps(case_, *make_threads(threads), first_dt, per_step);
   }
   const auto instants = [&](double interval) { return std::min(steps.n, case_.end / interval) + 1; };
   const double duration = steps.n * per_step + instants(*case_.output.history) * output.row +

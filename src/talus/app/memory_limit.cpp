@@ -22,9 +22,9 @@ namespace {
 
 void at_invalid_access(int) { end_out_of_memory(); }
 
-/// The program itself returns from main and has none of these codes: HDF5 leaves with -1, libgomp with 1.
+/// HDF5 leaves with -1. The program itself returns from main, and never with that.
 void at_exit(int code, void*) {
-  if (code == -1 || code == 1) end_out_of_memory();
+  if (code == -1) end_out_of_memory();
 }
 
 }  // namespace

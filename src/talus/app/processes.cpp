@@ -347,7 +347,7 @@ void Processes::disconnect() {
 }
 
 std::unique_ptr<Backend> Processes::make_backend(int threads) {
-  if (n() == 1) return make_openmp(threads);
+  if (n() == 1) return make_threads(threads);
   threads_ = threads > 0 ? threads : std::max(1, std::min(n_usable_processors(), n_processors() / n_on_this_machine()));
   return make_backend_of_processes(*transport_, threads_);
 }

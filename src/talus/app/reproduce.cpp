@@ -58,7 +58,7 @@ std::string run_in(const fs::path& folder, const std::string& case_text, int thr
 
 void run_all_element_tests(std::vector<RemadeFigure>& figures, int threads) {
   const std::vector<CurveOfReading> curves = curves_of_tests(figures);
-  const auto loop = make_openmp(threads);
+  const auto loop = make_threads(threads);
   fmt::print(stderr, "{} element tests in {} figure{} on {} thread{}\n", curves.size(), figures.size(),
              figures.size() == 1 ? "" : "s", loop->n_workers(), loop->n_workers() == 1 ? "" : "s");
   const auto start = std::chrono::steady_clock::now();

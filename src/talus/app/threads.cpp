@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "talus/backend/backend.hpp"
+#include "talus/base/machine.hpp"
 
 namespace talus {
 
 int usable_threads(int asked, bool forced) {
-  const int processors = make_openmp(0)->n_workers();
+  const int processors = n_usable_processors();
   if (asked <= processors) return asked;
   fmt::print(stderr, "warning: --threads {} is more than the {} processor{} of this machine; {}\n", asked, processors,
              processors == 1 ? "" : "s",

@@ -26,7 +26,7 @@ int number_in_environment(std::initializer_list<const char*> names, int otherwis
 
 class BackendOfProcesses final : public Backend {
  public:
-  BackendOfProcesses(Transport& transport, int n_threads) : transport_(transport), threads_(make_openmp(n_threads)) {}
+  BackendOfProcesses(Transport& transport, int n_threads) : transport_(transport), threads_(make_threads(n_threads)) {}
 
   int n_workers() const override { return threads_->n_workers(); }
   using Backend::for_each;

@@ -173,6 +173,15 @@ TALUS_HD inline void fetch_ahead(const double* column) {
 #endif
 }
 
+/// Tells the processor that this thread waits for another one.
+inline void relax_processor() {
+#if defined(__x86_64__) && !defined(__CUDACC__)
+  __builtin_ia32_pause();
+#elif defined(__aarch64__)
+  asm volatile("yield");
+#endif
+}
+
 /// Whether eight numbers are one register.
 inline constexpr bool eight_in_a_register = lanes_in<PackDoubles> > lanes_in<EightDoubles>;
 /// Numbers of the widest pack of any build: rows that are read pack by pack are as much longer.

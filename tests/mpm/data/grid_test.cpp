@@ -160,7 +160,7 @@ TEST(TilesAround, AllWorkersTogetherFindEveryNeighbour) {
   places.resize(170);
   const std::vector<CellRange<3>> cells(places.size(), all_cells<3>());
   for (const int n_workers : {1, 4}) {
-    const auto tiles = tiles_around<3, Quadratic>(places, cells, {8, 0, 0}, *make_openmp(n_workers));
+    const auto tiles = tiles_around<3, Quadratic>(places, cells, {8, 0, 0}, *make_threads(n_workers));
     std::map<Index<3>, int> at;
     for (int t = 0; t < int(tiles.size()); ++t)
       EXPECT_TRUE(at.emplace(tiles[std::size_t(t)].place, t).second) << "twice";
