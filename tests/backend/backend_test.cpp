@@ -3,6 +3,8 @@
 #include "talus/backend/backend.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <atomic>
 #include <chrono>
@@ -76,6 +78,25 @@ TEST_P(Backends, WhatOneLoopWritesTheNextOneReads) {
     ASSERT_EQ(sums[0], 999L * k);
     ASSERT_EQ(sums[999], 0);
   }
+}
+
+TEST_P(Backends, ALoopRunsInAForkAndInTheProcessThatForked) {
+  const auto visits = [&] {
+    std::atomic<int> n = 0;
+    backend_->for_each(100, [&](int, int) { ++n; });
+    return n.load();
+  };
+  EXPECT_EQ(visits(), 100);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const bool all = visits() == 100 && visits() == 100;
+    backend_.reset();
+    ::_exit(all ? 0 : 1);
+  }
+  EXPECT_EQ(visits(), 100);
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
 }
 
 TEST(Threads, AreAsManyAsTheProcessorsOfThisProcessIfNoneAreAskedFor) {

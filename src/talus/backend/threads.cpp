@@ -1,3 +1,5 @@
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <chrono>
@@ -46,6 +48,7 @@ class ThreadPool final : public Backend {
  public:
   explicit ThreadPool(int n_threads) : next_(std::size_t(n_threads)) {}
   ~ThreadPool() override {
+    leave_threads_of_another_process();
     ends_ = true;
     begin_loop();
     for (std::thread& thread : threads_) thread.join();
@@ -67,8 +70,16 @@ class ThreadPool final : public Backend {
   }
 
  private:
+  /// A fork leaves the threads behind. What is not here can be neither joined nor detached, so it is not freed.
+  void leave_threads_of_another_process() {
+    const pid_t here = ::getpid();
+    if (here == process_) return;
+    process_ = here;
+    static_cast<void>(new std::vector(std::exchange(threads_, {})));
+  }
   /// Throws std::system_error if there are no more threads.
   void start_threads() {
+    leave_threads_of_another_process();
     while (int(threads_.size()) + 1 < n_workers())
       threads_.emplace_back(
           [this, worker = int(threads_.size()) + 1, loop = loop_.value.load()] { wait(worker, loop); });
@@ -108,6 +119,7 @@ class ThreadPool final : public Backend {
   }
 
   std::vector<std::thread> threads_;  ///< workers from 1 on, once there was a loop
+  pid_t process_ = ::getpid();        ///< they run in
   SharedNumber loop_;                 ///< how many loops have begun
   SharedNumber n_at_work_;            ///< of the threads
   std::vector<SharedNumber> next_;    ///< of each share
