@@ -41,18 +41,19 @@ class Columns {
     size_ = n;
   }
 
-  /// Permutes all columns: row i becomes the former row order[i]. Rows behind the last of `order` are undefined. Needs working
-  /// space for a block of columns. `for_each_stretch(f)` calls f(begin, end) for stretches that make up [0, order.size()), by
-  /// several threads if it likes: each row is read and written by the thread that has its place in the order.
+  /// Permutes all columns: row i becomes the former row order[i]. Rows behind the last of `order` are undefined.
+  /// `for_each_stretch(f)` calls f(begin, end) for stretches that make up [0, order.size()), by several threads if it likes: each
+  /// row is read and written by the thread that has its place in the order. Needs working space for two blocks of columns, and
+  /// changes nothing if there is none (std::bad_alloc).
   template <class Stretches>
   void permute(const std::vector<int>& order, Stretches for_each_stretch) {
-    Values spare;
-    std::size_t n_spare = 0;
-    for (int b = 0; b < int(blocks_.size()); ++b) {
-      const std::size_t n_values = values_of_block(b);
-      if (std::exchange(n_spare, n_values) != n_values) spare = allocate(n_values);
+    if (blocks_.empty()) return;
+    const int last = int(blocks_.size()) - 1;
+    Values of_all = allocate(values_of_block(0)), of_last = allocate(values_of_block(last));
+    for (int b = 0; b <= last; ++b) {
+      Values& block = b < last ? of_all : of_last;
       const int first = b * columns_a_block_, end = first + columns_of_block(b);
-      const auto permuted = [&](int c) { return spare.get() + std::size_t(c - first) * stride(); };
+      const auto permuted = [&](int c) { return block.get() + std::size_t(c - first) * stride(); };
       for_each_stretch([&](std::size_t from, std::size_t to) {
         for (int c = first; c < end; ++c) {
           const double* const values = column(c);
@@ -61,7 +62,7 @@ class Columns {
         }
       });
       for (int c = first; c < end; ++c) pointers_[std::size_t(c)] = permuted(c);
-      std::swap(blocks_[std::size_t(b)], spare);
+      std::swap(blocks_[std::size_t(b)], block);
     }
   }
 
@@ -77,24 +78,25 @@ class Columns {
   }
   int columns_of_block(int b) const { return std::min(n_columns() - b * columns_a_block_, columns_a_block_); }
   std::size_t values_of_block(int b) const { return std::size_t(columns_of_block(b)) * stride(); }
-  /// Gives all columns new memory; the first rows keep their values.
+  /// Gives all columns new memory; the first rows keep their values, also if memory runs out (std::bad_alloc).
   void move(int n_kept) {
-    std::vector<Values> old = std::exchange(blocks_, {});
+    const std::size_t n_old = blocks_.size();
     const int columns_an_old_block = columns_a_block_;
     const std::size_t that_fit = block_bytes / (stride() * sizeof(double));
     columns_a_block_ = int(std::clamp(that_fit, std::size_t(1), std::size_t(most_columns_a_block)));
-    for (int first = 0; first < n_columns(); first += columns_a_block_) {
-      const std::size_t n_values = values_of_block(int(blocks_.size()));
+    for (int first = 0, b = 0; first < n_columns(); first += columns_a_block_, ++b) {
+      const std::size_t n_values = values_of_block(b);
       blocks_.push_back(allocate(n_values));
       double* moved = blocks_.back().get();
       std::fill_n(moved, n_values, 0.0);
-      for (int c = first; c < std::min(first + columns_a_block_, n_columns()); ++c, moved += stride()) {
+      for (int c = first; c < first + columns_of_block(b); ++c, moved += stride()) {
         double*& column = pointers_[std::size_t(c)];
         if (n_kept > 0) std::copy(column, column + n_kept, moved);
         column = moved;
-        if ((c + 1) % columns_an_old_block == 0 && n_kept > 0) old[std::size_t(c / columns_an_old_block)].reset();
+        if (n_old > 0 && (c + 1) % columns_an_old_block == 0) blocks_[std::size_t(c / columns_an_old_block)].reset();
       }
     }
+    blocks_.erase(blocks_.begin(), blocks_.begin() + long(n_old));
   }
 
   /// Columns stand side by side in blocks of this size, or of this many columns: large enough for large pages, and small enough
