@@ -16,14 +16,14 @@ namespace talus {
 
 namespace {
 
-/// A number that threads wait for, on a cache line of its own.
+/// A number that threads share, on a cache line of its own.
 struct alignas(64) SharedNumber {
   std::atomic<int> value = 0;
 };
 
-/// Waits until a number is no longer `value`, and returns what it is. To wake a thread that sleeps takes some 30 us, as long as a
-/// short loop. So for a while it stays awake, but lets others have the processor: on a machine that is busy with something
-/// else, it would keep those that it waits for from running.
+/// Waits until a number is no longer `value`, and returns what it is. To wake a thread that sleeps takes 10 to 30 us, longer
+/// than a short loop, so for a while it stays awake. But it yields the processor: on a machine that is busy with something else,
+/// it would keep the threads that it waits for from running.
 int wait_while(const SharedNumber& number, int value) {
   using Clock = std::chrono::steady_clock;
   constexpr int n_looks = 200;  // 2 to 8 us, about the time from one loop to the next
@@ -82,14 +82,14 @@ class ThreadPool final : public Backend {
     leave_threads_of_another_process();
     while (int(threads_.size()) + 1 < n_workers())
       threads_.emplace_back(
-          [this, worker = int(threads_.size()) + 1, loop = loop_.value.load()] { wait(worker, loop); });
+          [this, worker = int(threads_.size()) + 1, loop = loop_.value.load()] { follow_loops(worker, loop); });
   }
   void begin_loop() {
     loop_.value.fetch_add(1, std::memory_order_release);
     loop_.value.notify_all();
   }
-  /// What a thread does, from the end of a loop on.
-  void wait(int worker, int loop) {
+  /// What a thread does after `loop` loops have begun.
+  void follow_loops(int worker, int loop) {
     while (true) {
       loop = wait_while(loop_, loop);
       if (ends_) return;
