@@ -17,13 +17,16 @@ namespace talus {
 struct MohrCoulomb : CohesiveFriction {
   LodeRule lode = LodeRule::mohr_coulomb;
 
-  double tan_phi, tan_psi;  ///< follow from the parameters
+  double tan_phi, tan_psi;          ///< follow from the parameters
+  double M_all = 0, M_psi_all = 0;  ///< slopes if they are the same in every direction
   double sin_phi = 0, sin_psi = 0;
 
   TALUS_HD void prepare() {
     CohesiveFriction::prepare();
     tan_phi = std::tan(phi);
     tan_psi = std::tan(psi);
+    M_all = friction_slope(LodeRule::none, tan_phi, 0.0);
+    M_psi_all = friction_slope(LodeRule::none, tan_psi, 0.0);
     sin_phi = std::sin(phi);
     sin_psi = std::sin(psi);
   }
@@ -31,9 +34,7 @@ struct MohrCoulomb : CohesiveFriction {
   template <Number R>
   TALUS_HD Response<R> update(State<R>& state, const Motion<R>& motion, const Integration&) const {
     const SymTensor<R> s_trial = trial_deviator(state, motion.strain);
-    if (lode == LodeRule::none)  // the same slopes in every direction
-      return flow(state, motion.strain, s_trial, friction_slope(lode, tan_phi, 0.0),
-                  friction_slope(lode, tan_psi, 0.0));
+    if (lode == LodeRule::none) return flow(state, motion.strain, s_trial, M_all, M_psi_all);
     const R S = lode_sine(s_trial);
     if (lode == LodeRule::mohr_coulomb) return flow_on_pyramid(state, motion.strain, s_trial, S);
     return flow(state, motion.strain, s_trial, friction_slope(lode, R(tan_phi), S),

@@ -410,10 +410,12 @@ TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pac
 /// Moves the states of a tile's particles through the step. Reads the row `gradient` of the scratch, writes `flux` and
 /// `stiffness`; adds elastic energy, works, outcomes and viscosity to the sums.
 template <Number R, bool f_bar, class Law, int Dim>
-TALUS_FLATTEN TALUS_HD void update_stress(const Law& law, const ParticlesView<Dim>& particles, const RowRange& tile,
+TALUS_FLATTEN TALUS_HD void update_stress(const Law& shared, const ParticlesView<Dim>& particles, const RowRange& tile,
                                           const CellFinder<Dim>& cells, const StressUpdate& how, const ScratchView& s,
                                           TileSums& sums) {
   using namespace detail;
+  // What is written to particles cannot change a copy, so that what follows from its parameters is found once for all packs.
+  const Law law = shared;
   const int n = tile.size();
   const bool averages = !f_bar && how.average_pressure && AveragesPressure<Law>;
   if constexpr (AveragesPressure<Law>)
