@@ -49,9 +49,9 @@ class Columns {
   void permute(const std::vector<int>& order, Stretches for_each_stretch) {
     if (blocks_.empty()) return;
     const int last = int(blocks_.size()) - 1;
-    Values of_all = allocate(values_of_block(0)), of_last = allocate(values_of_block(last));
+    Values of_all = allocate(values_of_block(0)), of_last = last > 0 ? allocate(values_of_block(last)) : nullptr;
     for (int b = 0; b <= last; ++b) {
-      Values& block = b < last ? of_all : of_last;
+      Values& block = b == 0 || b < last ? of_all : of_last;
       const int first = b * columns_a_block_, end = first + columns_of_block(b);
       const auto permuted = [&](int c) { return block.get() + std::size_t(c - first) * stride(); };
       for_each_stretch([&](std::size_t from, std::size_t to) {

@@ -248,9 +248,10 @@ struct Model {
     walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });
     return sums;
   }
+  /// The nodes that particles of a tile touch.
   template <class Nodes>
-  auto window_of(int t, const Nodes& nodes, typename Nodes::Value* window) const {
-    fill_window<Dim, Shape>(grid.tile(t), nodes.data(), window);
+  WindowNodes<Dim, Shape, typename Nodes::Value> window_of(int t, const Nodes& nodes) const {
+    return {grid.tile(t), nodes.data()};
   }
 };
 

@@ -21,8 +21,7 @@ std::vector<SymTensor<double>> strain_rates(Model<Dim, Shape>& m, const ShapedBo
     if (!m.has_particles(t)) return;
     const auto points = m.points(body, t);
     if (points.size() == 0) return;
-    MassVelocity velocity[TileLayout<Dim, Shape>::n_window];
-    m.window_of(t, m.grid.velocity, velocity);
+    const auto velocity = m.window_of(t, m.grid.velocity);
     const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
     find_gradients(points, m.domain, velocity, s);
     for (int i = 0; i < points.size(); ++i)

@@ -55,15 +55,6 @@ struct SplinePieces {
   }
 };
 
-/// The nodes of a window themselves.
-template <int Dim, class Shape, class Node>
-struct WindowNodes {
-  Node of[TileLayout<Dim, Shape>::n_window];
-
-  WindowNodes(const Tile<Dim>& tile, const Node* nodal) { fill_window<Dim, Shape>(tile, nodal, of); }
-  operator const Node*() const { return of; }
-};
-
 /// What particles of a tile interpolate from: both are made of the tile and the nodes of all tiles.
 template <int Dim, class Shape, NodeOfFour Node>
 using Interpolated =

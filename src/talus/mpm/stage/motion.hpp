@@ -11,8 +11,7 @@ template <Advance which, int Dim, class Shape>
 void advance_tile(Model<Dim, Shape>& m, int t, const StepInput& step, TileSums& sums) {
   using Layout = TileLayout<Dim, Shape>;
   if (which != Advance::places && is_affine(m.numerics.transfer)) {
-    MassVelocity new_velocity[Layout::n_window];
-    m.window_of(t, m.grid.new_velocity, new_velocity);
+    const auto new_velocity = m.window_of(t, m.grid.new_velocity);
     m.for_each_body(t, [&](auto&, const auto& points) {
       if (m.numerics.transfer == Transfer::apic)
         find_affine_motion<true>(points, m.domain, new_velocity);
@@ -45,8 +44,7 @@ template <int Dim, class Shape>
 double power_of_loads(Model<Dim, Shape>& m, int t, double time) {
   double power = 0;
   if (std::all_of(m.bodies.begin(), m.bodies.end(), [](const auto& body) { return body.loads.empty(); })) return power;
-  MassVelocity velocity[TileLayout<Dim, Shape>::n_window];
-  m.window_of(t, m.grid.velocity, velocity);
+  const auto velocity = m.window_of(t, m.grid.velocity);
   m.for_each_body(t, [&](auto& body, const auto& points) {
     for (int k = 0; k < int(body.loads.size()); ++k)
       add_power_of_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), velocity, power);

@@ -21,14 +21,11 @@ struct RefinementCost {
 template <int Dim, class Shape>
 class ParticleRefinement {
  public:
-  using Layout = TileLayout<Dim, Shape>;
-
   /// Deforms the boxes of particles for `time` [s] with the velocities of the nodes.
   void stretch(Model<Dim, Shape>& m, double time) {
     m.backend.for_each(m.all_tiles, [&](int t, int worker) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
-      MassVelocity velocity[Layout::n_window];
-      m.window_of(t, m.grid.velocity, velocity);
+      const auto velocity = m.window_of(t, m.grid.velocity);
       m.for_each_body(t, [&](auto& body, const auto& points) {
         if (!body.particles.memory().extent) return;
         const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());

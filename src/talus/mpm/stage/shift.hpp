@@ -52,8 +52,7 @@ class ParticleShift {
     });
     m.walls->extend_evenly(m.backend, filling_.data());
     m.backend.for_each(m.all_tiles, [&](int t, int) {
-      double filling[Layout::n_window];
-      m.window_of(t, filling_, filling);
+      const auto filling = m.window_of(t, filling_);
       find_excess<Dim, Shape>(filling, excess_.of(t));
     });
     m.walls->extend_evenly(m.backend, excess_.data());
@@ -77,9 +76,7 @@ class ParticleShift {
   }
 
   void shift_tile(Model<Dim, Shape>& m, int t, int worker, double time, TileSums& sums) {
-    double filling[Layout::n_window], excess[Layout::n_window];
-    m.window_of(t, filling_, filling);
-    m.window_of(t, excess_, excess);
+    const auto filling = m.window_of(t, filling_), excess = m.window_of(t, excess_);
     auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
     const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
