@@ -34,4 +34,14 @@ TEST(Text, ListsWords) {
   EXPECT_EQ(any_of({"a", "b", "c"}), "`a`, `b` or `c`");
 }
 
+TEST(Text, LinesAreBrokenAtBlanksAndAWordThatIsTooLongStaysWhole) {
+  using Lines = std::vector<std::string>;
+  EXPECT_EQ(broken_at_blanks("a column of sand", 8), (Lines{"a column", "of sand"}));
+  EXPECT_EQ(broken_at_blanks("a column of sand", 7), (Lines{"a", "column", "of sand"}));
+  EXPECT_EQ(broken_at_blanks("\xc3\xbc\xc3\xbc \xc3\xbc", 4), (Lines{"\xc3\xbc\xc3\xbc \xc3\xbc"}))
+      << "letters, not bytes";
+  EXPECT_EQ(broken_at_blanks("landslides of 2026", 6), (Lines{"landslides", "of", "2026"}));
+  EXPECT_EQ(broken_at_blanks("", 6), Lines{""});
+}
+
 }  // namespace talus::text_test

@@ -31,6 +31,11 @@ double distance(std::string_view a, std::string_view b) {
   return last[b.size()];
 }
 
+/// Letters of a text in UTF-8.
+std::size_t length_of(std::string_view text) {
+  return std::size_t(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xc0) != 0x80; }));
+}
+
 }  // namespace
 
 std::string_view most_alike(std::string_view word, const std::vector<std::string_view>& candidates) {
@@ -85,6 +90,27 @@ std::string printable(std::string_view text) {
     text.remove_prefix(std::max<std::size_t>(n, 1));
   }
   return out;
+}
+
+std::vector<std::string> broken_at_blanks(std::string_view line, std::size_t most) {
+  std::vector<std::string> lines(1);
+  std::size_t used = 0;
+  while (!line.empty()) {
+    const std::size_t blanks = std::min(line.find_first_not_of(' '), line.size()),
+                      end = std::min(line.find(' ', blanks), line.size());
+    const std::string_view word = line.substr(blanks, end - blanks);
+    if (used > 0 && used + blanks + length_of(word) > most) {
+      lines.emplace_back();
+      used = 0;
+    } else {
+      lines.back().append(blanks, ' ');
+      used += blanks;
+    }
+    lines.back() += word;
+    used += length_of(word);
+    line.remove_prefix(end);
+  }
+  return lines;
 }
 
 std::string fault_of_name(std::string_view name) {

@@ -1,5 +1,5 @@
 #pragma once
-/// Text functions: similarity of words, printable text, names, lists of words.
+/// Text functions: similarity of words, printable text, lines, names, lists of words.
 
 #include <string>
 #include <string_view>
@@ -13,6 +13,9 @@ std::string_view most_alike(std::string_view word, const std::vector<std::string
 
 /// A text on one line without control characters; these appear as `\n`, `\x1b` and so on.
 std::string printable(std::string_view text);
+
+/// A line in UTF-8 as lines of at most so many letters, where the words permit it.
+std::vector<std::string> broken_at_blanks(std::string_view line, std::size_t most);
 
 /// Reason a name is invalid; empty if valid. Names are used for files, columns and keys: letters, digits, `_`, and
 /// after the first character also `-`, `.` and blanks.

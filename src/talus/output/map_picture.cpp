@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "talus/base/file.hpp"
+#include "talus/base/text.hpp"
 #include "talus/output/plot.hpp"
 
 namespace talus {
@@ -25,20 +26,6 @@ double round_length(double most) {
 }
 
 int decimals_of(double step) { return std::max(0, -int(std::floor(std::log10(step) + 1e-9))); }
-
-/// Lines of at most so many letters, broken between words.
-std::vector<std::string> wrapped(const std::string& text, std::size_t most) {
-  std::vector<std::string> lines{""};
-  std::size_t begin = 0;
-  while (begin < text.size()) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (!lines.back().empty() && lines.back().size() + 1 + word.size() > most) lines.emplace_back();
-    lines.back() += (lines.back().empty() ? "" : " ") + word;
-    begin = end + 1;
-  }
-  return lines;
-}
 
 /// The name of a projection: what stands first in quotes in its WKT.
 std::string title_in_wkt(const std::string& wkt) {
@@ -695,7 +682,7 @@ class MapPage {
     if (picture_.layer) y = add_colours(x, y);
     y = add_legend(x, y);
     for (const std::string& note : notes())
-      for (const std::string& line : wrapped(note, 30)) {
+      for (const std::string& line : broken_at_blanks(note, 30)) {
         add_text(x, y, line, "font ',12' tc '#333333'");
         y -= 23;
       }
@@ -715,7 +702,8 @@ class MapPage {
 
   double add_colours(double x, double y) {
     const MapLayer& layer = *picture_.layer;
-    for (const std::string& line : wrapped(layer.words + (layer.unit.empty() ? "" : " [" + layer.unit + "]"), 26)) {
+    for (const std::string& line :
+         broken_at_blanks(layer.words + (layer.unit.empty() ? "" : " [" + layer.unit + "]"), 26)) {
       add_text(x, y, line);
       y -= 26;
     }

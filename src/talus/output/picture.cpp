@@ -10,6 +10,7 @@
 
 #include "talus/base/file.hpp"
 #include "talus/base/table.hpp"
+#include "talus/base/text.hpp"
 #include "talus/output/plot.hpp"
 
 namespace talus {
@@ -26,18 +27,33 @@ struct PictureBook::Instants {
   double low[2], high[2];  ///< [m]
 };
 
-/// Panels of equal scale, with room for tics, titles and the colour bar [pixels].
+/// Panels with room for tics, titles and the colour bar [pixels]. Heights have the scale of lengths, except in what is very flat or
+/// very tall.
 struct PictureBook::Layout {
-  int n, columns, rows, panel_height;
-  static constexpr int panel_width = 560, gap_x = 70, gap_y = 64, left = 80, right = 140, top = 70, bottom = 60;
+  int n, columns, rows, panel_width, panel_height, n_title_lines = 1;
+  double stretch;  ///< scale of heights over that of lengths
+  static constexpr int least_bar_height = 220, gap_x = 70, gap_y = 64, left = 80, right = 140, bottom = 60,
+                       title_line = 24, letter = 10;
 
   Layout(int panels, double extent_x, double extent_y)
-      : n(panels),
-        columns(n > 1 ? 2 : 1),
-        rows((n + columns - 1) / columns),
-        panel_height(std::clamp(int(panel_width * extent_y / extent_x), 60, 700)) {}
+      : n(panels), columns(n > 1 ? 2 : 1), rows((n + columns - 1) / columns) {
+    constexpr double widest = 560, narrowest = 160, tallest = 700, lowest = 120;
+    const double slenderness = extent_y / extent_x;
+    panel_width = int(std::clamp(tallest / slenderness, narrowest, widest));
+    panel_height = int(std::clamp(panel_width * slenderness, lowest, tallest));
+    const double ratio = panel_height / (panel_width * slenderness);
+    stretch = std::abs(ratio - 1) < 0.02 ? 1 : ratio;
+  }
   int width() const { return left + columns * panel_width + (columns - 1) * gap_x + right; }
-  int height() const { return top + rows * panel_height + (rows - 1) * gap_y + bottom; }
+  int top() const { return 46 + n_title_lines * title_line; }
+  int panels_height() const { return rows * panel_height + (rows - 1) * gap_y; }
+  int bar_height() const { return std::max(panels_height(), least_bar_height); }
+  int height() const { return top() + bar_height() + bottom; }
+  /// Upper end of a row of panels, from below.
+  int end_of_row(int row) const {
+    return height() - top() - (bar_height() - panels_height()) / 2 - row * (panel_height + gap_y);
+  }
+  std::size_t letters_a_line() const { return std::size_t(width() / letter); }
 };
 
 const std::vector<PictureBook::Quantity> PictureBook::quantities = {
@@ -126,6 +142,11 @@ std::string PictureBook::caption(const Quantity& quantity) const {
   return quantity.title + (dim_ == 3 ? ", slice through the middle" : "");
 }
 
+std::string PictureBook::title(const Quantity& quantity, double stretch) const {
+  return title_ + ": " + caption(quantity) +
+         (stretch == 1 ? "" : fmt::format(" (heights drawn {:.2g} times as large as lengths)", stretch));
+}
+
 std::string PictureBook::columns_of_places() const { return fmt::format("($1*{0:g}):($2*{0:g})", 1 / unit_.length); }
 
 /// End of a quantity's scale: the 99th percentile, so that a few outliers do not darken everything else.
@@ -135,9 +156,21 @@ static double end_of_scale(std::vector<double> values) {
   return *at > 0 ? *at : 1;
 }
 
+/// The least of 1, 2 and 5 times a power of ten that is not below x.
+static double round_step(double x) {
+  const double power = std::pow(10, std::floor(std::log10(x)));
+  for (const double factor : {1, 2, 5})
+    if (factor * power >= x) return factor * power;
+  return 10 * power;
+}
+
 std::string PictureBook::head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const {
   const double per_metre = 1 / unit_.length;
   const int width = layout.width(), height = layout.height();
+  constexpr double letters_high = 26;  // what a number at a tic takes, and a gap
+  std::vector<std::string> lines;
+  for (const std::string& line : broken_at_blanks(title(quantity, layout.stretch), layout.letters_a_line()))
+    lines.push_back(gnuplot_text(line));
   return fmt::format("set terminal pngcairo size {},{} font 'sans,11' background '#ffffff'\n", width, height) +
          "set output " + gnuplot_text(quantity.name + ".png") + "\n" + even_palette() +
          fmt::format("set cbrange [0:{:.3g}]\nset cblabel '{}' offset 1\n", end_of_scale(all.values.at(quantity.name)),
@@ -146,22 +179,21 @@ std::string PictureBook::head_of_script(const Quantity& quantity, const Instants
          "0.6\n" +
          fmt::format("set colorbox user origin screen {:.4f}, screen {:.4f} size screen {:.4f}, screen {:.4f}\n",
                      double(width - Layout::right + 30) / width, double(Layout::bottom) / height, 16.0 / width,
-                     double(height - Layout::top - Layout::bottom) / height) +
-         fmt::format("set multiplot title {} font ',14' offset 0,-0.5\n",
-                     gnuplot_text(title_ + ": " + caption(quantity))) +
-         fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\n", per_metre * all.low[0],
-                     per_metre * all.high[0], per_metre * all.low[1], per_metre * all.high[1]);
+                     double(layout.bar_height()) / height) +
+         fmt::format("set multiplot title {} noenhanced font ',14' offset 0,-0.5\n", fmt::join(lines, ".\"\\n\".")) +
+         fmt::format("set xrange [{:.6g}:{:.6g}]\nset yrange [{:.6g}:{:.6g}]\nset ytics {:.6g}\n",
+                     per_metre * all.low[0], per_metre * all.high[0], per_metre * all.low[1], per_metre * all.high[1],
+                     round_step(per_metre * (all.high[1] - all.low[1]) * letters_high / layout.panel_height));
 }
 
 std::string PictureBook::panel_of_script(int number, const Layout& layout) const {
   const int column = number % layout.columns, row = number / layout.columns;
   const bool is_lowest = row == layout.rows - 1 || number + layout.columns >= layout.n;
-  const double x0 = Layout::left + column * (Layout::panel_width + Layout::gap_x),
-               y1 = layout.height() - Layout::top - row * (layout.panel_height + Layout::gap_y);
+  const double x0 = Layout::left + column * (layout.panel_width + Layout::gap_x), y1 = layout.end_of_row(row);
   return fmt::format(
              "set lmargin at screen {:.5f}\nset rmargin at screen {:.5f}\nset bmargin at screen {:.5f}\nset "
              "tmargin at screen {:.5f}\n",
-             x0 / layout.width(), (x0 + Layout::panel_width) / layout.width(),
+             x0 / layout.width(), (x0 + layout.panel_width) / layout.width(),
              (y1 - layout.panel_height) / layout.height(), y1 / layout.height()) +
          fmt::format("set title 't = {:.3f} s' offset 0,-0.7\n", times_[number]) +
          (column == 0 ? fmt::format("set ylabel '{} [{}]' offset 1\n", dim_ == 3 ? "z" : "y", unit_.name)
@@ -178,14 +210,17 @@ std::vector<Picture> PictureBook::draw() const {
   all.low[0] -= margin;
   for (double& end : all.high) end += margin;
   const double width = all.high[0] - all.low[0], height = all.high[1] - all.low[1];
-  const Layout layout(int(times_.size()), width, height);
+  Layout layout(int(times_.size()), width, height);
+  for (const Quantity& q : quantities)
+    layout.n_title_lines =
+        std::max(layout.n_title_lines, int(broken_at_blanks(title(q, layout.stretch), layout.letters_a_line()).size()));
 
   std::vector<std::string> surfaces;  // what draws them, panel by panel
   for (int i = 0; i < layout.n; ++i)
     surfaces.push_back(solids_.empty()
                            ? ""
                            : fmt::format(", {} skip 1 using {} with points pt 7 ps 0.25 lc '#333333'",
-                                         gnuplot_text(write_solids(i, all.low, all.high, width / Layout::panel_width)),
+                                         gnuplot_text(write_solids(i, all.low, all.high, width / layout.panel_width)),
                                          columns_of_places()));
 
   std::vector<Picture> pictures;
@@ -194,11 +229,13 @@ std::vector<Picture> PictureBook::draw() const {
     const auto is_of_quantity = [&](const std::string& name) { return name.rfind(q.name + " ", 0) == 0; };
     const auto column = std::find_if(all.names.begin(), all.names.end(), is_of_quantity) - all.names.begin() + 1;
     std::string script = head_of_script(q, all, layout);
-    for (int i = 0; i < layout.n; ++i)  // half the size of a particle, drawn a fifth larger
+    for (int i = 0; i < layout.n; ++i)  // the size of a particle, drawn a fifth larger
       script += panel_of_script(i, layout) +
-                fmt::format("plot {} skip 2 using {}:($3*{:g}):{} with circles fill solid noborder lc palette{}\n",
-                            gnuplot_text(instant(i).filename().string()), columns_of_places(), 0.6 * (1 / unit_.length),
-                            column, surfaces[i]);
+                fmt::format(
+                    "plot {0} skip 2 using {1}:($3*{2:g}):($3*{2:g}):(0):{3} with ellipses units xy fill solid "
+                    "noborder lc palette{4}\n",
+                    gnuplot_text(instant(i).filename().string()), columns_of_places(), 1.2 * (1 / unit_.length), column,
+                    surfaces[i]);
     const std::filesystem::path file = folder_ / (q.name + ".gp");
     write_whole(file, script + "unset multiplot\n");
     if (!run_gnuplot(file)) return {};

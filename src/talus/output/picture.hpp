@@ -40,6 +40,7 @@ class PictureBook {
 
   Instants read_instants() const;
   std::string caption(const Quantity& quantity) const;
+  std::string title(const Quantity& quantity, double stretch) const;
   /// The columns x and y of the files in the unit of the axes, as gnuplot reads them.
   std::string columns_of_places() const;
   std::string head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const;
