@@ -37,7 +37,7 @@ struct PictureBook::Layout {
 
   Layout(int panels, double extent_x, double extent_y)
       : n(panels), columns(n > 1 ? 2 : 1), rows((n + columns - 1) / columns) {
-    constexpr double widest = 560, narrowest = 160, tallest = 700, lowest = 120;
+    constexpr double widest = 560, narrowest = 160, tallest = 700, lowest = 60;
     const double slenderness = extent_y / extent_x;
     panel_width = int(std::clamp(tallest / slenderness, narrowest, widest));
     panel_height = int(std::clamp(panel_width * slenderness, lowest, tallest));
