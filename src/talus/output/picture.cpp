@@ -27,8 +27,8 @@ struct PictureBook::Instants {
   double low[2], high[2];  ///< [m]
 };
 
-/// Panels with room for tics, titles and the colour bar [pixels]. Heights have the scale of lengths, except in what is very flat or
-/// very tall.
+/// Panels with room for tics, titles and the colour bar [pixels]. Heights have the scale of lengths, except in what is
+/// very flat or very tall.
 struct PictureBook::Layout {
   int n, columns, rows, panel_width, panel_height, n_title_lines = 1;
   double stretch;  ///< scale of heights over that of lengths
@@ -144,7 +144,9 @@ std::string PictureBook::caption(const Quantity& quantity) const {
 
 std::string PictureBook::title(const Quantity& quantity, double stretch) const {
   return title_ + ": " + caption(quantity) +
-         (stretch == 1 ? "" : fmt::format(" (heights drawn {:.2g} times as large as lengths)", stretch));
+         (stretch == 1
+              ? ""
+              : fmt::format(" (heights drawn {:.{}f} times as large as lengths)", stretch, stretch < 10 ? 1 : 0));
 }
 
 std::string PictureBook::columns_of_places() const { return fmt::format("($1*{0:g}):($2*{0:g})", 1 / unit_.length); }
