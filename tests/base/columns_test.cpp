@@ -105,11 +105,10 @@ TEST(Columns, EveryOneOfManyBeginsOnALineOfTheCacheAndKeepsItsValuesAsTheTableGr
 }
 
 TEST(LargeMemory, BeginsWithALineOfTheCacheOrWithALargePage) {
-  const auto begins_with = [](std::size_t bytes) {
-    return reinterpret_cast<std::uintptr_t>(large_memory(bytes).get());
-  };
-  EXPECT_EQ(begins_with(100) % 64, 0u);
-  EXPECT_EQ(begins_with(3 << 20) % (2 << 20), 0u);
+  const auto address = [](const auto& memory) { return reinterpret_cast<std::uintptr_t>(memory.get()); };
+  const auto little = large_memory(100), much = large_memory(3 << 20);
+  EXPECT_EQ(address(little) % 64, 0u);
+  EXPECT_EQ(address(much) % (2 << 20), 0u);
 }
 
 }  // namespace talus::columns_test

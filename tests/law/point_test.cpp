@@ -103,7 +103,7 @@ std::vector<PointInPhase> all_setups() {
              {"granular_rate", case_1_for_predictions()},
              {"granular incremental", with_history(CollisionalForm::incremental)},
              {"granular rate form", with_history(CollisionalForm::rate)}}) {
-      const auto named = [&](const char* phase) { return std::string(name) + phase + scheme; };
+      const auto named = [of = std::string(name), with = scheme](const char* phase) { return of + phase + with; };
       const InitialState dense = pressed(1e5, 0.7);
       // Back a little after loading: inside the yield surface.
       add(named(" elastic"), law, dense, how, {moved(large, 10), moved(-2 * small, 1)}, moved(-small, 1), elastic_);

@@ -295,7 +295,9 @@ void write_sweep_page(const Sweep& sweep) {
     rows += fmt::format("<td>{}</td>", run_state_names[int(run.state)]);
     for (const auto& [name, label] : results) {
       const int c = read == runs.end() ? -1 : read->history.column(name);
-      if (std::none_of(runs.begin(), runs.end(), [&](const auto& r) { return r.history.column(name) >= 0; })) continue;
+      if (std::none_of(runs.begin(), runs.end(),
+                       [&wanted = name](const auto& r) { return r.history.column(wanted) >= 0; }))
+        continue;
       rows +=
           c < 0 ? "<td></td>" : fmt::format("<td class=\"n\">{:.4g}</td>", read->history.rows.back()[std::size_t(c)]);
     }

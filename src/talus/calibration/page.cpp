@@ -196,7 +196,7 @@ std::string parameters_table(const Calibration& c, const CalibrationResult& r) {
         with_its_unit(r.statistics.tied_values[i], c.tied[i].unit, 5),
         with_its_unit(r.statistics.tied_errors[i], c.tied[i].unit, 2));
   for (const auto& [p, value] : parameters_of(r.law)) {
-    const auto is = [&](const auto& other) { return other.key == p.key; };
+    const auto is = [&key = p.key](const auto& other) { return other.key == key; };
     if (std::any_of(c.free.begin(), c.free.end(), is) || std::any_of(c.tied.begin(), c.tied.end(), is)) continue;
     out += fmt::format(
         "<tr class=\"d\"><td>{}</td><td>{}</td><td></td><td "

@@ -196,7 +196,8 @@ void read_stages(Section& root, std::vector<FreeParameter>& free, const AnyLaw& 
   for (const auto& [p, value] : parameters_of(law)) {
     if (!s.has(p.key)) continue;
     const auto stage = Stage(s.choice(stage_of(p)));
-    const auto found = std::find_if(free.begin(), free.end(), [&](const FreeParameter& f) { return f.key == p.key; });
+    const auto found =
+        std::find_if(free.begin(), free.end(), [&key = p.key](const FreeParameter& f) { return f.key == key; });
     if (found == free.end())
       s.complain(p.key, "is not free");
     else

@@ -21,8 +21,8 @@ void expect_near(const Node (&found)[n], const Node (&expected)[n]) {
 TYPED_TEST(Runs, MassMomentumAndForcesAtNodesAreThoseOfSingleParticles) {
   constexpr int Dim = TypeParam::dim;
   using Shape = typename TypeParam::shape;
-  constexpr int n = TileLayout<Dim, Shape>::n_window;
   for_tiles<TypeParam>([](auto& tile) {
+    constexpr int n = TileLayout<Dim, Shape>::n_window;
     // They are added to what is there.
     MassMomentum momentum[n], of_runs[n];
     for (int i = 0; i < n; ++i) momentum[i] = of_runs[i] = node_of<MassMomentum>(tile.numbers());
