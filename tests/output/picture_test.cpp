@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+
 #include "folder_of_its_own.hpp"
 #include "mpm/cases.hpp"
 #include "talus/base/file.hpp"

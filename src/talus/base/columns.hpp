@@ -43,8 +43,8 @@ class Columns {
 
   /// Permutes all columns: row i becomes the former row order[i]. Rows behind the last of `order` are undefined.
   /// `for_each_stretch(f)` calls f(begin, end) for stretches that make up [0, order.size()), by several threads if it likes: each
-  /// row is read and written by the thread that has its place in the order. Needs working space for two blocks of columns, and
-  /// changes nothing if there is none (std::bad_alloc).
+  /// row is read and written by the thread that has its place in the order. Needs working space for two blocks of columns, if
+  /// there are as many, and changes nothing without it (std::bad_alloc).
   template <class Stretches>
   void permute(const std::vector<int>& order, Stretches for_each_stretch) {
     if (blocks_.empty()) return;

@@ -142,11 +142,12 @@ std::string PictureBook::caption(const Quantity& quantity) const {
   return quantity.title + (dim_ == 3 ? ", slice through the middle" : "");
 }
 
-std::string PictureBook::title(const Quantity& quantity, double stretch) const {
-  return title_ + ": " + caption(quantity) +
-         (stretch == 1
-              ? ""
-              : fmt::format(" (heights drawn {:.{}f} times as large as lengths)", stretch, stretch < 10 ? 1 : 0));
+std::vector<std::string> PictureBook::title(const Quantity& quantity, const Layout& layout) const {
+  std::string text = title_ + ": " + caption(quantity);
+  if (layout.stretch != 1)
+    text +=
+        fmt::format(" (heights drawn {:.{}f} times as large as lengths)", layout.stretch, layout.stretch < 10 ? 1 : 0);
+  return broken_at_blanks(text, layout.letters_a_line());
 }
 
 std::string PictureBook::columns_of_places() const { return fmt::format("($1*{0:g}):($2*{0:g})", 1 / unit_.length); }
@@ -171,8 +172,7 @@ std::string PictureBook::head_of_script(const Quantity& quantity, const Instants
   const int width = layout.width(), height = layout.height();
   constexpr double letters_high = 26;  // what a number at a tic takes, and a gap
   std::vector<std::string> lines;
-  for (const std::string& line : broken_at_blanks(title(quantity, layout.stretch), layout.letters_a_line()))
-    lines.push_back(gnuplot_text(line));
+  for (const std::string& line : title(quantity, layout)) lines.push_back(gnuplot_text(line));
   return fmt::format("set terminal pngcairo size {},{} font 'sans,11' background '#ffffff'\n", width, height) +
          "set output " + gnuplot_text(quantity.name + ".png") + "\n" + even_palette() +
          fmt::format("set cbrange [0:{:.3g}]\nset cblabel '{}' offset 1\n", end_of_scale(all.values.at(quantity.name)),
@@ -213,9 +213,6 @@ std::vector<Picture> PictureBook::draw() const {
   for (double& end : all.high) end += margin;
   const double width = all.high[0] - all.low[0], height = all.high[1] - all.low[1];
   Layout layout(int(times_.size()), width, height);
-  for (const Quantity& q : quantities)
-    layout.n_title_lines =
-        std::max(layout.n_title_lines, int(broken_at_blanks(title(q, layout.stretch), layout.letters_a_line()).size()));
 
   std::vector<std::string> surfaces;  // what draws them, panel by panel
   for (int i = 0; i < layout.n; ++i)
@@ -230,6 +227,7 @@ std::vector<Picture> PictureBook::draw() const {
     if (!all.values.contains(q.name)) continue;
     const auto is_of_quantity = [&](const std::string& name) { return name.rfind(q.name + " ", 0) == 0; };
     const auto column = std::find_if(all.names.begin(), all.names.end(), is_of_quantity) - all.names.begin() + 1;
+    layout.n_title_lines = int(title(q, layout).size());
     std::string script = head_of_script(q, all, layout);
     for (int i = 0; i < layout.n; ++i)  // the size of a particle, drawn a fifth larger
       script += panel_of_script(i, layout) +

@@ -40,7 +40,8 @@ class PictureBook {
 
   Instants read_instants() const;
   std::string caption(const Quantity& quantity) const;
-  std::string title(const Quantity& quantity, double stretch) const;
+  /// Line by line.
+  std::vector<std::string> title(const Quantity& quantity, const Layout& layout) const;
   /// The columns x and y of the files in the unit of the axes, as gnuplot reads them.
   std::string columns_of_places() const;
   std::string head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const;

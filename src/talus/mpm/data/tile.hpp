@@ -170,7 +170,7 @@ TALUS_HD void fill_window(const Tile<Dim>& tile, const Node* nodal, Node* window
   for_each_in_window<Dim, Shape>(
       tile, [&](std::size_t node, int w) { copy_node(nodal[node], window[w]); }, [&](int w) { window[w] = Node{}; });
 }
-/// The nodes themselves.
+/// The nodes of a window, as `fill_window` copies them.
 template <int Dim, class Shape, class Node>
 struct WindowNodes {
   Node of[TileLayout<Dim, Shape>::n_window];
@@ -178,7 +178,7 @@ struct WindowNodes {
   WindowNodes(const Tile<Dim>& tile, const Node* nodal) { fill_window<Dim, Shape>(tile, nodal, of); }
   operator const Node*() const { return of; }
 };
-/// The same for the quantities that particles interpolate when they move.
+/// `fill_window` for the quantities that particles interpolate when they move.
 template <int Dim, class Shape>
 TALUS_HD void fill_window(const Tile<Dim>& tile, const MassVelocity* new_velocity, const Acceleration* acceleration,
                           NodeMotion* window) {
