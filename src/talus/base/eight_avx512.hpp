@@ -53,6 +53,9 @@ inline EightDoubles doubles_of(EightBits bits) { return reinterpret_cast<EightDo
 inline void broadcast(double x, EightDoubles& all) { all = _mm512_set1_pd(x); }
 inline void read(const double* column, EightDoubles& x) { x = *reinterpret_cast<const EightDoublesAnywhere*>(column); }
 inline void write(EightDoubles x, double* column) { *reinterpret_cast<EightDoublesAnywhere*>(column) = x; }
+inline void write_integers(EightDoubles x, int* column) {
+  _mm256_mask_storeu_epi32(column, all_eight, _mm512_maskz_cvttpd_epi32(all_eight, x));
+}
 /// A bit for each of the first `count` lanes.
 inline __mmask8 first_lanes(int count) { return count >= 8 ? all_eight : __mmask8(count > 0 ? (1 << count) - 1 : 0); }
 inline void read_first(const double* column, int count, double beyond, EightDoubles& x) {

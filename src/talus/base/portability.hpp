@@ -140,6 +140,10 @@ TALUS_HD inline void read(const double* column, FourDoubles& x) {
   x = *reinterpret_cast<const FourDoublesAnywhere*>(column);
 }
 TALUS_HD inline void write(FourDoubles x, double* column) { *reinterpret_cast<FourDoublesAnywhere*>(column) = x; }
+/// Whole numbers as integers.
+TALUS_HD inline void write_integers(FourDoubles x, int* column) {
+  for (int i = 0; i < 4; ++i) column[i] = int(x[i]);
+}
 /// The first `count` numbers only; what is `beyond` them is the same in all lanes.
 TALUS_HD inline void read_first(const double* column, int count, double beyond, FourDoubles& x) {
   for (int i = 0; i < 4; ++i) x[i] = i < count ? column[i] : beyond;

@@ -129,6 +129,11 @@ TALUS_HD void write(Two<R> x, double* column) {
   write(x.high, column + Two<R>::half);
 }
 template <class R>
+TALUS_HD void write_integers(Two<R> x, int* column) {
+  write_integers(x.low, column);
+  write_integers(x.high, column + Two<R>::half);
+}
+template <class R>
 TALUS_HD void read_first(const double* column, int count, double beyond, Two<R>& x) {
   read_first(column, count, beyond, x.low);
   read_first(column + Two<R>::half, count - Two<R>::half, beyond, x.high);

@@ -10,6 +10,7 @@ TALUS_HD inline double load<double>(const double* column, int) {
   return *column;
 }
 TALUS_HD inline void store(double* column, double x, int = 1) { *column = x; }
+TALUS_HD inline void store_integers(int* column, double x) { *column = int(x); }
 TALUS_HD inline double sum_of(double x) { return x; }
 TALUS_HD inline double largest_of(double x) { return x; }
 

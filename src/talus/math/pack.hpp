@@ -134,6 +134,12 @@ TALUS_HD void store(double* column, Doubles<Lanes> p, int count = lanes_in<Lanes
   write(p.lanes, column);
 }
 
+/// Stores whole numbers.
+template <class Lanes>
+TALUS_HD void store_integers(int* column, Doubles<Lanes> p) {
+  write_integers(p.lanes, column);
+}
+
 /// Sum over the first `count` lanes, and maximum over all, from the first lane to the last.
 template <class P>
 TALUS_HD double sum_of(P p, int count = P::width) {

@@ -17,7 +17,7 @@ struct ScratchView {
   double *mean_share, *mean_p;     ///< of the particle's cell
   double *mean_per_p, *mean_rate;  ///< of the particle's cell: compression over the mean pressure it causes, tr L
   double* filling;                 ///< of the nodes around the particle, see `find_filling`
-  double* cell;                    ///< number of the particle's cell in its tile
+  int* cell;                       ///< number of the particle's cell in its tile
   double* velocity[3] = {};        ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
   TALUS_HD Tensor<double> gradient_of(int i) const {
@@ -34,8 +34,10 @@ class Scratch {
   /// With room for n particles.
   ScratchView view(int n) {
     n += widest_pack;  // the last pack may extend beyond the last particle
-    if (n > int(rows_[0].size()))
+    if (n > int(cells_.size())) {
       for (auto& row : rows_) row.assign(std::size_t(n), 0.0);
+      cells_.assign(std::size_t(n), 0);
+    }
     ScratchView v;
     double* rows[n_rows];
     for (int r = 0; r < n_rows; ++r) rows[r] = rows_[r].data();
@@ -51,13 +53,14 @@ class Scratch {
     v.mean_per_p = rows[21];
     v.mean_rate = rows[22];
     v.filling = rows[23];
-    v.cell = rows[24];
+    v.cell = cells_.data();
     return v;
   }
 
  private:
-  static constexpr int n_rows = 25;
+  static constexpr int n_rows = 24;
   std::vector<double> rows_[n_rows];
+  std::vector<int> cells_;
 };
 
 }  // namespace talus

@@ -100,7 +100,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   const int n = tile.size();
   static_assert(n_cells % width_of<R> == 0);
   for_each_pack<R>(law, particles, tile, [&](const PackPlace& at, const auto& state, R volume) {
-    store(&s.cell[at.i], cells.at(particles.template places<R>(at.first, at.count)));
+    store_integers(&s.cell[at.i], cells.at(particles.template places<R>(at.first, at.count)));
     store(&s.volume[at.i], volume);
     if constexpr (of_pressure) {
       const R x = contacts(law).compression(contacts(state));
@@ -108,8 +108,15 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
       store(&s.p[at.i], contacts(law).pressure_at(x));
     }
   });
-  for (int i = n; i % width_of<R> != 0; ++i) s.volume[i] = 0;
-  for (int i = n; i % 4 != 0; ++i) s.cell[i] = s.cell[n - 1];  // where a pack has fewer than four
+  for (int i = n; i % 4 != 0 || i % width_of<R> != 0;
+       ++i) {  // numbers behind the last particle repeat it, without volume
+    s.volume[i] = 0;
+    s.cell[i] = s.cell[n - 1];
+    if constexpr (of_pressure) {
+      s.share[i] = s.share[n - 1];
+      s.p[i] = s.p[n - 1];
+    }
+  }
   // Volume, and its products with the rate, the share and the pressure above that of open material, so that a cell is open where
   // all of its particles are. One particle in four adds to the same numbers: neighbours stand in one cell, and would wait for
   // each other.
@@ -117,7 +124,6 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
   double open = 0;
   if constexpr (of_pressure) open = contacts(law).open_pressure();
   for (int i = 0; i < n; i += 4) {
-    const int count = n - i < 4 ? n - i : 4;
     const Quad volume = load<Quad>(&s.volume[i]);
     Quad rate(0.0), added[4];
     for (int a = 0; a < 3; ++a) rate += load<Quad>(&s.gradient[a][a][i]);
@@ -126,8 +132,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     added[2] = of_pressure ? volume * load<Quad>(&s.share[i]) : Quad(0.0);
     added[3] = of_pressure ? volume * (load<Quad>(&s.p[i]) - Quad(open)) : Quad(0.0);
     transpose(added);
-    for (int lane = 0; lane < count; ++lane) {
-      double* const sum = sums[lane][int(s.cell[i + lane])];
+    for (int lane = 0; lane < 4; ++lane) {
+      double* const sum = sums[lane][s.cell[i + lane]];
       store(sum, load<Quad>(sum) + added[lane]);
     }
   }
@@ -149,7 +155,7 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
     }
   for (int i = 0; i < n || i % width_of<R> != 0; i += 4) {  // lanes behind the last particle repeat it
     Quad mean[4];
-    for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[int(s.cell[i + lane])]);
+    for (int lane = 0; lane < 4; ++lane) mean[lane] = load<Quad>(means[s.cell[i + lane]]);
     transpose(mean);
     store(&s.mean_rate[i], mean[1]);
     if constexpr (of_pressure) {
