@@ -4,6 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
+#include <vector>
+
 #include "mpm/by_hand.hpp"
 
 namespace talus::mass_and_momentum_test {
@@ -107,8 +111,8 @@ TEST(ParticleSums, AreMassMomentumAndEnergyOfParticles) {
   }
   TileSums sums;
   ParticleSums<2> total;
-  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), total);
-  total.add_to(sums, {0, -10});
+  add_up_particles(all_in_one_tile<Linear>(p), total);
+  total.add_to(sums, {0, -10}, unit_cells<2>(4));
   EXPECT_EQ(sums[Sum::mass], 10);
   EXPECT_EQ(sums.vector(Sum::momentum), (Vec<3>{20, 0, 0}));
   EXPECT_EQ(sums[Sum::kinetic], 0 + 1 + 4 + 9 + 16);
@@ -117,13 +121,22 @@ TEST(ParticleSums, AreMassMomentumAndEnergyOfParticles) {
   EXPECT_EQ(sums[Sum::faulty], 0);
 }
 
-TEST(ParticleSums, OneParticleOutsideIsAFinding) {
-  auto p = particles_at<2>({{0.5, 1}, {1.5, 4.1}});
-  TileSums sums;
-  ParticleSums<2> total;
-  add_up_particles(all_in_one_tile<Linear>(p), unit_cells<2>(4), total);
-  total.add_to(sums, {0, 0});
-  EXPECT_EQ(sums[Sum::faulty], 1);
+TEST(ParticleSums, OneParticleOutsideOrNowhereIsAFinding) {
+  const auto faulty_with = [](const Vec<2>& place) {
+    std::vector<Vec<2>> places(11, Vec<2>{0.5, 1});
+    places[2] = place;  // its lane is used again
+    auto p = particles_at<2>(places);
+    std::fill_n(p.mass(), p.size(), 2.0);
+    TileSums sums;
+    ParticleSums<2> total;
+    add_up_particles(all_in_one_tile<Linear>(p), total);
+    total.add_to(sums, {0, 0}, unit_cells<2>(4));
+    return sums[Sum::faulty];
+  };
+  const double infinite = std::numeric_limits<double>::infinity(), nothing = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(faulty_with({4, 0}), 0) << "sides belong to the domain";
+  for (const Vec<2>& place : {Vec<2>{1.5, 4.1}, {-1e-9, 2}, {infinite, 2}, {2, -infinite}, {nothing, 2}, {2, nothing}})
+    EXPECT_EQ(faulty_with(place), 1) << place[0] << ", " << place[1];
 }
 
 }  // namespace talus::mass_and_momentum_test

@@ -203,8 +203,8 @@ struct SumsOverParticles {
   Vec<M::Dim> gravity;
   TALUS_HD void operator()(int t) const {
     ParticleSums<M::Dim> total;
-    add_up_particles(m.points(t), m.domain, total);
-    total.add_to(m.sums[t], gravity);
+    add_up_particles(m.points(t), total);
+    total.add_to(m.sums[t], gravity, m.domain);
   }
 };
 template <class M, int octet>

@@ -54,12 +54,17 @@ struct Domain {
   /// nowhere if not finite.
   template <class R>
   TALUS_HD bool contains(const std::array<R, Dim>& x_in_cells) const {
+    return contains_between(x_in_cells, x_in_cells);
+  }
+  /// The same of all positions between a lowest and a highest one along each axis.
+  template <class R>
+  TALUS_HD bool contains_between(const std::array<R, Dim>& lowest, const std::array<R, Dim>& highest) const {
     bool all_inside = true;
     for (int a = 0; a < Dim; ++a) {
       constexpr double far = 1e6;
       const double low = is_periodic(a) || lets_out(2 * a) ? -far : 0,
                    high = n_cells[a] + (is_periodic(a) || lets_out(2 * a + 1) ? far : 0);
-      all_inside &= all((x_in_cells[a] >= R(low)) & (x_in_cells[a] <= R(high)));
+      all_inside &= all((lowest[a] >= R(low)) & (highest[a] <= R(high)));
     }
     return all_inside;
   }

@@ -5,6 +5,8 @@
 ///   v_I = m_I v_I / m_I, with walls
 /// A tile's particles are added body by body, in their order.
 
+#include <limits>
+
 #include "talus/mpm/kernel/transfer.hpp"
 #include "talus/mpm/kernel/wall.hpp"
 #include "talus/mpm/tile_sums.hpp"
@@ -86,16 +88,24 @@ TALUS_FLATTEN TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mi
 template <int Dim>
 struct ParticleSums {
   Octet mass{0.0}, momentum[Dim], moment[Dim], twice_kinetic{0.0}, largest_speed2{0.0};
-  bool all_inside = true;
+  std::array<Octet, Dim> lowest, highest;  ///< coordinates [m]
 
   TALUS_HD ParticleSums() {
-    for (int a = 0; a < Dim; ++a) momentum[a] = moment[a] = Octet(0.0);
+    for (int a = 0; a < Dim; ++a) {
+      momentum[a] = moment[a] = Octet(0.0);
+      lowest[a] = Octet(std::numeric_limits<double>::max());
+      highest[a] = Octet(std::numeric_limits<double>::lowest());
+    }
   }
-  TALUS_HD void add_to(TileSums& sums, const Vec<Dim>& gravity) const {
+  TALUS_HD void add_to(TileSums& sums, const Vec<Dim>& gravity, const Domain<Dim>& domain) const {
+    bool all_inside = true;
     for (int a = 0; a < Dim; ++a) {
       sums.sums[std::size_t(Sum::momentum) + std::size_t(a)] += sum_of(momentum[a]);
-      sums[Sum::potential] -= gravity[a] * sum_of(moment[a]);
+      const double of_all = sum_of(moment[a]);
+      sums[Sum::potential] -= gravity[a] * of_all;
+      all_inside &= of_all - of_all == 0;  // otherwise a coordinate is infinite or not a number
     }
+    all_inside &= domain.contains_between(domain.in_cells(lowest), domain.in_cells(highest));
     sums[Sum::mass] += sum_of(mass);
     sums[Sum::kinetic] += 0.5 * sum_of(twice_kinetic);
     sums.raise(Most::particle_speed2, largest_of(largest_speed2));
@@ -103,10 +113,9 @@ struct ParticleSums {
   }
 };
 
-/// Adds mass, moment of mass, momentum and energy of particles, and notes whether they are where they may be.
+/// Adds mass, moment of mass, momentum and energy of particles, and takes in their places.
 template <int Dim, class Shape>
-TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
-                               ParticleSums<Dim>& total) {
+TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, ParticleSums<Dim>& total) {
   const ParticlesView<Dim>& p = points.particles;
   for (int i = 0; i < points.size(); i += 8) {
     const int first = points.range.begin + i, count = points.count(i, 8);
@@ -119,11 +128,12 @@ TALUS_HD void add_up_particles(const TilePoints<Dim, Shape>& points, const Domai
       speed2 = multiply_add(v, v, speed2);
       total.momentum[a] = multiply_add(mass, v, total.momentum[a]);
       total.moment[a] = multiply_add(mass, x[a], total.moment[a]);
+      total.lowest[a] = min(x[a], total.lowest[a]);
+      total.highest[a] = max(x[a], total.highest[a]);
     }
     total.mass += mass;
     total.twice_kinetic = multiply_add(mass, speed2, total.twice_kinetic);
     total.largest_speed2 = max(total.largest_speed2, speed2);
-    total.all_inside &= domain.contains(domain.in_cells(x));
   }
 }
 

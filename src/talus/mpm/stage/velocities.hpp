@@ -41,8 +41,8 @@ template <int Dim, class Shape>
 void add_up_particles_of_tile(Model<Dim, Shape>& m, int t, TileSums& sums) {
   if (!m.has_particles(t)) return;
   ParticleSums<Dim> total;
-  m.for_each_body(t, [&](auto&, const auto& points) { add_up_particles(points, m.domain, total); });
-  total.add_to(sums, m.gravity);
+  m.for_each_body(t, [&](auto&, const auto& points) { add_up_particles(points, total); });
+  total.add_to(sums, m.gravity, m.domain);
 }
 template <int Dim, class Shape>
 TileSums add_up_particles(Model<Dim, Shape>& m) {
