@@ -114,6 +114,34 @@ TEST(Solid, TurnsInSpaceAreRightHandedAndTheirVelocityIsTheRateOfTheirPlaces) {
   EXPECT_EQ(ball.motion.at(2).velocity_at(x), (Vec<3>{}));  // from then on it rests
 }
 
+TEST(Solid, ARoundSolidThatTurnsAboutItsMiddleStaysInPlaceAndSoDoesAPlaneThatSlides) {
+  const auto stays = [](SolidShape shape, PrescribedMotion motion, int dim) {
+    return Solid{"solid", std::move(shape), WallKind::slip, std::move(motion)}.stays_in_place(dim);
+  };
+  const LinearInTime<double> turns{{0}, {0.0}, 0.5};
+  const auto slides = [](const Vec<3>& velocity) { return PrescribedMotion{{{0, 1}, {Vec<3>{}, velocity}, velocity}}; };
+  const double third = 1 / std::sqrt(3.0);
+  const Vec<3> diagonal{third, third, third};
+  EXPECT_TRUE(stays(Box{{0, 0, 0}, {1, 1, 1}}, {}, 3));
+  EXPECT_FALSE(stays(Box{{-1, -1, -1}, {1, 1, 1}}, {{}, turns, {0, 0, 0}}, 3)) << "a corner sweeps";
+
+  EXPECT_TRUE(stays(Sphere{{1, 2, 3}, 0.1}, {{}, turns, {0, 1, 2}, diagonal}, 3))
+      << "the axis passes through its middle";
+  EXPECT_FALSE(stays(Sphere{{1, 2, 3}, 0.1}, {{}, turns, {0, 1, 2.001}, diagonal}, 3));
+  EXPECT_TRUE(stays(Sphere{{1, 2, 0}, 0.1}, {{}, turns, {1, 2, 0}}, 2));
+  EXPECT_FALSE(stays(Sphere{{1, 2, 0}, 0.1}, slides({1, 0, 0}), 2));
+
+  EXPECT_TRUE(stays(Cylinder{{1, 2, 3}, 0.1, 1}, {{}, turns, {1, 2, 0}}, 3));
+  EXPECT_FALSE(stays(Cylinder{{1, 2, 3}, 0.1, 1}, {{}, turns, {1, 2, 3}, diagonal}, 3));
+  EXPECT_FALSE(stays(Cylinder{{1, 2, 3}, 0.1, 1}, slides({0, 0, 1}), 3)) << "it has a lid";
+
+  const HalfSpace slope{{5, 0, 0}, diagonal};
+  EXPECT_TRUE(stays(slope, slides({1, -1, 0}), 3)) << "a belt";
+  EXPECT_FALSE(stays(slope, slides({1, -1, 1e-3}), 3));
+  EXPECT_TRUE(stays(slope, {{}, turns, {7, 8, 9}, diagonal}, 3)) << "a table that turns";
+  EXPECT_FALSE(stays(slope, {{}, turns, {7, 8, 9}}, 3));
+}
+
 TEST(Solid, AHollowSolidIsWhatLiesAroundItsShape) {
   const Solid drum{"drum", Sphere{{1, 1, 0}, 2}, WallKind::no_slip, {}, true};
   const Nearness n = drum.near({1, 0, 0}, {}, 2);

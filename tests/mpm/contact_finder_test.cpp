@@ -134,6 +134,26 @@ TEST(ContactFinder, AMovingSolidIsMetWhereItIsAndHasItsVelocity) {
   for (const NodeContact& c : corner.contacts) EXPECT_EQ(c.velocity, (Vec<3>{0, 2, 0}));
 }
 
+TEST(ContactFinder, ADrumThatTurnsIsMetAsOneThatRestsAndHasItsVelocity) {
+  Corner corner;
+  const Sphere circle{{4, 4, 0}, 3.3};
+  corner.solids = {{"drum", circle, rubs, {}, true}};
+  corner.find();
+  const std::vector<NodeContact> at_rest = corner.contacts;
+  ASSERT_GT(at_rest.size(), 8u);
+  corner.solids = {{"drum", circle, rubs, {{}, {{0}, {0.0}, 0.5}, {4, 4, 0}}, true}};
+  corner.find(1.7);
+  ASSERT_EQ(corner.contacts.size(), at_rest.size());
+  for (std::size_t i = 0; i < at_rest.size(); ++i) {
+    const NodeContact& c = corner.contacts[i];
+    EXPECT_EQ(c.node, at_rest[i].node);
+    EXPECT_EQ(c.normal, at_rest[i].normal);
+    EXPECT_EQ(c.column.n, at_rest[i].column.n);
+    const double x = c.node % 4, y = c.node / 4;
+    EXPECT_EQ(c.velocity, (Vec<3>{-0.5 * (y - 4), 0.5 * (x - 4), 0}));
+  }
+}
+
 TEST(ContactFinder, WhatWasClosedStaysClosedAtTheSameNodeAndSurface) {
   Corner corner;
   corner.domain.walls[0] = corner.domain.walls[2] = rubs;

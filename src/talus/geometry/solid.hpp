@@ -28,6 +28,9 @@ struct Solid {
   bool hollow = false;  ///< the solid is the space outside its shape: a drum, a bowl, a pipe
   ContactZones zones{};
 
+  /// Whether its motion leaves the space that it takes as it is: it rests, it is round and turns about its middle, or its
+  /// surface is a plane that slides or turns in itself.
+  bool stays_in_place(int dim) const;
   /// Distance and normal of a point relative to the solid in a pose.
   Nearness near(const Vec<3>& x, const Pose& pose, int dim) const;
   /// Number of the zone at a place; -1 if there is none.

@@ -33,7 +33,8 @@ class ContactFinder {
         accounts_(solids_, Dim),
         unit_weight_(unit_weight),
         ground_(solids_.size()),
-        resting_(solids_.size()) {
+        staying_(solids_.size()) {
+    for (const Solid& solid : solids_) stays_.push_back(solid.stays_in_place(Dim));
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
   }
@@ -46,8 +47,8 @@ class ContactFinder {
     for (std::size_t n = 0; n < solids_.size(); ++n)
       if (is_ground(solids_[n]))
         ground_[n].number_tiles(tiles);
-      else if (solids_[n].motion.rests())
-        resting_[n].number_tiles(tiles);
+      else if (stays_[n])
+        staying_[n].number_tiles(tiles);
   }
 
   /// The solids as they stand at an instant, for the particles of a tile; valid while its finder is. In a solid of
@@ -155,24 +156,27 @@ class ContactFinder {
         find_on_ground(tiles, momentum, walls, t, number, counts, found);
         continue;
       }
-      const Pose pose = solid.motion.at(time);
+      const bool stays = stays_[std::size_t(number)];
+      const Pose pose = solid.motion.at(time),
+                 shape = stays ? Pose{} : pose;  // of the surface, and of the space behind it
       const auto add = [&](const NodeAtSolid& at) {
         if (!counts(at.node)) return;
         const Vec<3> x = place_of(global_node<Dim>(place, at.node));
-        const Vec<3> normal = at.row ? at.row->normal : normal_towards_material(tiles, momentum, t, at, solid, x, pose);
+        const Vec<3> normal =
+            at.row ? at.row->normal : normal_towards_material(tiles, momentum, t, at, solid, x, shape);
         found.push_back({at.node, solid.contact, normal, pose.velocity_at(x), number, accounts_.of_solid(number)});
         if (!at.row) return;
         Vec<3> next = x;
         next[at.row->axis] += at.row->step * domain_.h;
         found.back().column = column_of(tiles[t], at.node, *at.row, pose.velocity_at(next) - pose.velocity_at(x));
       };
-      if (solid.motion.rests()) {
-        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *resting_[std::size_t(number)].of_tile[std::size_t(t)];
+      if (stays) {
+        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *staying_[std::size_t(number)].of_tile[std::size_t(t)];
         if (!nodes)
-          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(number, pose, place, [](int) { return true; }));
+          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(number, shape, place, [](int) { return true; }));
         std::for_each(nodes->begin(), nodes->end(), add);
       } else {
-        const std::vector<NodeAtSolid> nodes = nodes_at(number, pose, place, counts);
+        const std::vector<NodeAtSolid> nodes = nodes_at(number, shape, place, counts);
         std::for_each(nodes.begin(), nodes.end(), add);
       }
     }
@@ -208,7 +212,7 @@ class ContactFinder {
   /// Nodes this deep below the ground have no mass: material on it is less than two cells away along each axis.
   static constexpr double deepest = 3.5;
 
-  /// Whether a place lies in a solid at rest other than this one, or outside the domain.
+  /// Whether a place lies in a solid other than this one that stays in place, or outside the domain.
   auto is_taken(int solid) const {
     return [this, solid](const Vec<3>& x) {
       for (int a = 0; a < Dim; ++a) {
@@ -216,9 +220,9 @@ class ContactFinder {
         if (!domain_.is_periodic(a) && (at < -rounding_of_place || at > last + rounding_of_place)) return true;
       }
       for (int n = 0; n < int(solids_.size()); ++n) {
+        if (n == solid || !stays_[std::size_t(n)]) continue;
         const Solid& other = solids_[std::size_t(n)];
-        if (n == solid || !other.motion.rests()) continue;
-        if (other.near(x, other.motion.at(0), Dim).distance < -rounding_of_place * domain_.h) return true;
+        if (other.near(x, Pose{}, Dim).distance < -rounding_of_place * domain_.h) return true;
       }
       return false;
     };
@@ -302,9 +306,9 @@ class ContactFinder {
     return nodes;
   }
 
-  /// Data of a solid at rest for each tile, computed once by the thread of the tile.
+  /// Data of a solid that stays in place for each tile, computed once by the thread of the tile.
   template <class Data>
-  struct TilesAtRest {
+  struct DataOfTiles {
     std::map<Index<Dim>, std::unique_ptr<Data>> at;
     std::vector<std::unique_ptr<Data>*> of_tile;
 
@@ -572,8 +576,9 @@ class ContactFinder {
   std::vector<Solid> solids_;
   AccountNumbers accounts_;
   double unit_weight_;
-  std::vector<TilesAtRest<GroundTile>> ground_;                 ///< one for each solid that is ground
-  std::vector<TilesAtRest<std::vector<NodeAtSolid>>> resting_;  ///< one for each other solid at rest
+  std::vector<bool> stays_;                                     ///< for each solid: whether it stays in place
+  std::vector<DataOfTiles<GroundTile>> ground_;                 ///< one for each solid that is ground
+  std::vector<DataOfTiles<std::vector<NodeAtSolid>>> staying_;  ///< one for each other solid that stays in place
   bool any_ = false;
 };
 
