@@ -16,11 +16,12 @@ namespace talus::picture_test {
 
 class Pictures : public FolderOfItsOwn {
  protected:
-  /// The picture of the speed of a body at rest so wide and high [m], of squares of an edge.
-  GreyImage draw(double width, double height, double edge, const std::string& title) const {
+  /// The picture of the speed of a body at rest so wide and high [m], of squares of an edge, so high above the floor.
+  GreyImage draw(double width, double height, double edge, const std::string& title, double above_floor = 0) const {
     Case what = block(2, rubber(), 1000);
     what.title = title;
     what.cell = 2 * edge;
+    what.domain.min = {0, 0 - above_floor, 0};
     what.domain.max = {width, height, 0};
     what.bodies[0].region = Box{{0, 0, 0}, {width, height, 0}};
     Observation seen;
@@ -86,6 +87,17 @@ TEST_F(Pictures, OfAFlatLayerTellThatItsHeightsAreStretchedAndCutNoLettersOff) {
   const double told = std::stod(text.substr(at + words.size()));
   EXPECT_GT(told, 5);
   EXPECT_NEAR(up * 10 / (across * 0.1), told, 0.1 * told);
+}
+
+TEST_F(Pictures, BeginAtTheFloorUnlessItIsFarBelowAllThatMoves) {
+  if (!gnuplot_is_installed()) GTEST_SKIP() << "needs gnuplot";
+  const GreyImage on_floor = draw(2, 1, 0.02, "A column");
+  EXPECT_NE(script().find("set yrange [0:"), std::string::npos) << script();
+  draw(2, 1, 0.02, "A column above the floor", 0.2);
+  EXPECT_NE(script().find("set yrange [-0.2:"), std::string::npos) << script();
+  const GreyImage on_mountain = draw(2, 1, 0.02, "A slide on a mountain", 100);
+  EXPECT_NEAR(on_mountain.height, on_floor.height, 0.1 * on_floor.height);
+  EXPECT_GT(extent_of_body(on_mountain)[1], 0.8 * extent_of_body(on_floor)[1]);
 }
 
 }  // namespace talus::picture_test

@@ -124,13 +124,15 @@ std::string PictureBook::write_solids(int number, const double low[2], const dou
 }
 
 PictureBook::Instants PictureBook::read_instants() const {
-  Instants all{{}, {}, {1e300, floor_}, {-1e300, -1e300}};
+  Instants all{{}, {}, {1e300, 1e300}, {-1e300, -1e300}};
   for (std::size_t i = 0; i < times_.size(); ++i) {
     const NumberTable table = read_csv(instant(int(i)).string());
     all.names = table.names;
     for (const auto& row : table.rows) {
-      all.low[0] = std::min(all.low[0], row[0]);
-      for (int a = 0; a < 2; ++a) all.high[a] = std::max(all.high[a], row[a]);
+      for (int a = 0; a < 2; ++a) {
+        all.low[a] = std::min(all.low[a], row[a]);
+        all.high[a] = std::max(all.high[a], row[a]);
+      }
       for (std::size_t c = 3; c < row.size(); ++c)
         if (std::isfinite(row[c])) all.values[all.names[c].substr(0, all.names[c].find(' '))].push_back(row[c]);
     }
@@ -209,7 +211,9 @@ std::vector<Picture> PictureBook::draw() const {
   Instants all = read_instants();
   if (!(all.high[0] > all.low[0])) return {};
   const double margin = 2 * cell_;
+  const bool above_floor = all.low[1] - floor_ > 0.25 * (all.high[1] - all.low[1]) + margin;
   all.low[0] -= margin;
+  all.low[1] = above_floor ? all.low[1] - margin : floor_;
   for (double& end : all.high) end += margin;
   const double width = all.high[0] - all.low[0], height = all.high[1] - all.low[1];
   Layout layout(int(times_.size()), width, height);
