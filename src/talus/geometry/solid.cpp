@@ -32,15 +32,15 @@ constexpr double rounding = 1e-12;  ///< of directions, and of places over lengt
 /// Whether two directions of unit length are the same line.
 bool are_parallel(const Vec<3>& a, const Vec<3>& b) { return length(cross(a, b)) <= rounding; }
 
-/// Whether the axis of a motion passes through a point of something so large [m].
-bool turns_about(const PrescribedMotion& motion, const Vec<3>& point, double size, int dim) {
-  Vec<3> from = point - motion.centre;
+/// Whether the axis of a motion passes through the middle of something so large [m].
+bool turns_about(const PrescribedMotion& motion, const Vec<3>& middle, double size, int dim) {
+  Vec<3> from = middle - motion.centre;
   if (dim == 2) from[2] = 0;
   return length(cross(motion.axis, from)) <= rounding * size;
 }
 
-/// Whether something without a part that differs from the others along it moves in its plane only.
-bool slides_along(const LinearInTime<Vec<3>>& displacement, const Vec<3>& normal) {
+/// Whether a plane is displaced in itself only.
+bool slides_in_itself(const LinearInTime<Vec<3>>& displacement, const Vec<3>& normal) {
   const auto lies_in_plane = [&](const Vec<3>& d) { return std::abs(dot(d, normal)) <= rounding * length(d); };
   return std::all_of(displacement.values.begin(), displacement.values.end(), lies_in_plane) &&
          lies_in_plane(displacement.rate_after);
@@ -52,7 +52,7 @@ bool Solid::stays_in_place(int dim) const {
   const auto& [displacement, angle, centre, axis] = motion;
   if (motion.rests()) return true;
   if (const auto* plane = std::get_if<HalfSpace>(&shape))
-    return slides_along(displacement, plane->normal) && (angle.empty() || are_parallel(axis, plane->normal));
+    return slides_in_itself(displacement, plane->normal) && (angle.empty() || are_parallel(axis, plane->normal));
   if (!displacement.empty()) return false;
   if (const auto* sphere = std::get_if<Sphere>(&shape)) return turns_about(motion, sphere->centre, sphere->radius, dim);
   if (const auto* upright = std::get_if<Cylinder>(&shape))

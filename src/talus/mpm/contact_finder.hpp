@@ -157,8 +157,9 @@ class ContactFinder {
         continue;
       }
       const bool stays = stays_[std::size_t(number)];
-      const Pose pose = solid.motion.at(time),
-                 shape = stays ? Pose{} : pose;  // of the surface, and of the space behind it
+      const Pose pose = solid.motion.at(time);
+      const Pose shape =
+          stays ? Pose{} : pose;  // of the space that it takes, which is the same at all times if it stays
       const auto add = [&](const NodeAtSolid& at) {
         if (!counts(at.node)) return;
         const Vec<3> x = place_of(global_node<Dim>(place, at.node));

@@ -108,8 +108,8 @@ TALUS_HD void average_over_cells(const Law& law, const ParticlesView<Dim>& parti
       store(&s.p[at.i], contacts(law).pressure_at(x));
     }
   });
-  for (int i = n; i % 4 != 0 || i % width_of<R> != 0;
-       ++i) {  // numbers behind the last particle repeat it, without volume
+  // Numbers behind the last particle repeat it, without volume.
+  for (int i = n; i % 4 != 0 || i % width_of<R> != 0; ++i) {
     s.volume[i] = 0;
     s.cell[i] = s.cell[n - 1];
     if constexpr (of_pressure) {
