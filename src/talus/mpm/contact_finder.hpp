@@ -33,7 +33,7 @@ class ContactFinder {
         accounts_(solids_, Dim),
         unit_weight_(unit_weight),
         ground_(solids_.size()),
-        staying_(solids_.size()) {
+        found_once_(solids_.size()) {
     for (const Solid& solid : solids_) stays_.push_back(solid.stays_in_place(Dim));
     for (const Wall& wall : domain.walls) any_ |= wall.is_contact();
     any_ |= !solids_.empty();
@@ -48,7 +48,7 @@ class ContactFinder {
       if (is_ground(solids_[n]))
         ground_[n].number_tiles(tiles);
       else if (stays_[n])
-        staying_[n].number_tiles(tiles);
+        found_once_[n].number_tiles(tiles);
   }
 
   /// The solids as they stand at an instant, for the particles of a tile; valid while its finder is. In a solid of
@@ -158,13 +158,13 @@ class ContactFinder {
       }
       const bool stays = stays_[std::size_t(number)];
       const Pose pose = solid.motion.at(time);
-      const Pose shape =
-          stays ? Pose{} : pose;  // of the space that it takes, which is the same at all times if it stays
+      // A solid that stays in place takes the space of the start at all times: what is found once depends on no instant.
+      const Pose space = stays ? Pose{} : pose;
       const auto add = [&](const NodeAtSolid& at) {
         if (!counts(at.node)) return;
         const Vec<3> x = place_of(global_node<Dim>(place, at.node));
         const Vec<3> normal =
-            at.row ? at.row->normal : normal_towards_material(tiles, momentum, t, at, solid, x, shape);
+            at.row ? at.row->normal : normal_towards_material(tiles, momentum, t, at, solid, x, space);
         found.push_back({at.node, solid.contact, normal, pose.velocity_at(x), number, accounts_.of_solid(number)});
         if (!at.row) return;
         Vec<3> next = x;
@@ -172,12 +172,12 @@ class ContactFinder {
         found.back().column = column_of(tiles[t], at.node, *at.row, pose.velocity_at(next) - pose.velocity_at(x));
       };
       if (stays) {
-        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *staying_[std::size_t(number)].of_tile[std::size_t(t)];
+        std::unique_ptr<std::vector<NodeAtSolid>>& nodes = *found_once_[std::size_t(number)].of_tile[std::size_t(t)];
         if (!nodes)
-          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(number, shape, place, [](int) { return true; }));
+          nodes = std::make_unique<std::vector<NodeAtSolid>>(nodes_at(number, space, place, [](int) { return true; }));
         std::for_each(nodes->begin(), nodes->end(), add);
       } else {
-        const std::vector<NodeAtSolid> nodes = nodes_at(number, shape, place, counts);
+        const std::vector<NodeAtSolid> nodes = nodes_at(number, space, place, counts);
         std::for_each(nodes.begin(), nodes.end(), add);
       }
     }
@@ -577,9 +577,9 @@ class ContactFinder {
   std::vector<Solid> solids_;
   AccountNumbers accounts_;
   double unit_weight_;
-  std::vector<bool> stays_;                                     ///< for each solid: whether it stays in place
-  std::vector<DataOfTiles<GroundTile>> ground_;                 ///< one for each solid that is ground
-  std::vector<DataOfTiles<std::vector<NodeAtSolid>>> staying_;  ///< one for each other solid that stays in place
+  std::vector<bool> stays_;                                        ///< for each solid: whether it stays in place
+  std::vector<DataOfTiles<GroundTile>> ground_;                    ///< one for each solid that is ground
+  std::vector<DataOfTiles<std::vector<NodeAtSolid>>> found_once_;  ///< one for each other solid that stays in place
   bool any_ = false;
 };
 

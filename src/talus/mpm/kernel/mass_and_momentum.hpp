@@ -5,6 +5,7 @@
 ///   v_I = m_I v_I / m_I, with walls
 /// A tile's particles are added body by body, in their order.
 
+#include <array>
 #include <limits>
 
 #include "talus/mpm/kernel/transfer.hpp"
