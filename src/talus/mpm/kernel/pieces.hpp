@@ -111,7 +111,8 @@ struct PieceBatch {
       }
     const auto line = [&](int j, int k) -> OfLine<Quad> {
       const auto& [value, slope, bend] = at[edge * (j + edge * k)];
-      return {multiply_add(s_p, multiply_add(half, bend, slope), value), multiply_add(s_p, bend, slope)};
+      const Quad slope_p = multiply_add(s_p, bend, slope);
+      return {multiply_add(half, slope + slope_p, value), slope_p};  // a sum costs less than a multiply-add
     };
     return gradient_from_lines(N_p, dN_p, line, columns);
   }
