@@ -37,6 +37,33 @@ TYPED_TEST(Runs, MassMomentumAndForcesAtNodesAreThoseOfSingleParticles) {
   });
 }
 
+TYPED_TEST(Runs, MomentsOfTheFilterAtNodesAreThoseOfSingleParticles) {
+  constexpr int Dim = TypeParam::dim;
+  using Shape = typename TypeParam::shape;
+  for_tiles<TypeParam>([](auto& tile) {
+    constexpr int n = TileLayout<Dim, Shape>::n_window;
+    const auto expect_same = [&]<int octet>(std::integral_constant<int, octet>) {
+      EightMoments expected[n], found[n];
+      for (int i = 0; i < n; ++i) {
+        for (FourMoments& quad : expected[i].quads) quad = node_of<FourMoments>(tile.numbers());
+        found[i] = expected[i];
+      }
+      add_filter_moments<octet>(tile.points(), tile.domain, expected);
+      add_filter_moments_in_runs<octet>(tile.points(), tile.domain, found);
+      for (int half : {0, 1}) {
+        FourMoments expected_half[n], found_half[n];
+        for (int i = 0; i < n; ++i) {
+          expected_half[i] = expected[i].quads[half];
+          found_half[i] = found[i].quads[half];
+        }
+        expect_near(found_half, expected_half);
+      }
+    };
+    expect_same(std::integral_constant<int, 0>());
+    if constexpr (Dim == 3) expect_same(std::integral_constant<int, 1>());
+  });
+}
+
 TYPED_TEST(Runs, EightParticlesWithoutStressAreLeftOut) {
   constexpr int Dim = TypeParam::dim;
   using Shape = typename TypeParam::shape;

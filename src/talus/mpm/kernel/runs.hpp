@@ -6,11 +6,13 @@
 ///
 /// Along an axis three weights add up to one, and their slopes to zero. So runs are summed up for the first node, for the last one,
 /// and for all three together, which needs no weights; the node between has the rest. That takes 69 operations for a force
-/// instead of 90, of which 9 are sums, and a third less of a processor that adds beside its multiply-adds.
+/// instead of 90, of which 9 are sums, and a third less of a processor that adds beside its multiply-adds. Weights times the places
+/// from their nodes add up to zero, too, as shapes interpolate places.
 
 #include <algorithm>
 #include <type_traits>
 
+#include "talus/mpm/kernel/filter.hpp"
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/mass_and_momentum.hpp"
 
@@ -32,13 +34,13 @@ using PartConstant = std::integral_constant<Part, part>;
 template <int Dim, class Shape, bool slopes, int n_fours>
 struct Batch {
   static constexpr bool has_slopes = slopes;
-  static constexpr int most = batch_size, edge = TileLayout<Dim, Shape>::window_edge;
+  static constexpr int dim = Dim, most = batch_size, edge = TileLayout<Dim, Shape>::window_edge;
   alignas(64) double N[Dim][2][most], dN[Dim][2][most];  ///< along each axis, at the first node and at the last
-  int node[most];                                        ///< the first one that a particle touches, in the window
+  int first[most];                                       ///< the first node that a particle touches, in the window
   alignas(32) double fours[n_fours][most][4];
 
   /// Finds the weights of `count` particles, at most eight, from number i of the tile on, in place k.
-  TALUS_INLINE void find_weights(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count,
+  TALUS_INLINE auto find_weights(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count,
                                  int k) {
     const auto w = weights_of_eight(points, domain, i, count);
     for (int a = 0; a < Dim; ++a)
@@ -46,7 +48,8 @@ struct Batch {
         store(&N[a][part][k], w.along[a].N[2 * part]);
         if constexpr (slopes) store(&dN[a][part][k], w.along[a].dN[2 * part]);
       }
-    for (int lane = 0; lane < 8; ++lane) node[k + lane] = int(w.first[lane]);
+    for (int lane = 0; lane < 8; ++lane) first[k + lane] = int(w.first[lane]);
+    return w;
   }
   /// Puts four numbers of eight particles in place k.
   TALUS_INLINE void put(int which, const Octet (&numbers)[4], int k) {
@@ -57,10 +60,52 @@ struct Batch {
       store(fours[which][k + 4 + lane], last[lane]);
     }
   }
+  /// Puts momentum and mass of `count` particles, at most eight, from `row` on in place k.
+  TALUS_INLINE void put_momentum(const ParticlesView<Dim>& particles, int row, int count, int k) {
+    const Octet mass = load<Octet>(particles.mass() + row, count);
+    Octet numbers[4] = {Octet(0.0), Octet(0.0), Octet(0.0), mass};
+    for (int a = 0; a < Dim; ++a) numbers[a] = mass * load<Octet>(particles.velocity(a) + row, count);
+    put(0, numbers, k);
+  }
+  TALUS_INLINE int node(int p) const { return first[p]; }
   /// Four numbers of particle p.
   TALUS_INLINE Quad four(int which, int p) const { return load<Quad>(fours[which][p]); }
   TALUS_INLINE Quad weight(int axis, Part part, int p) const { return Quad(N[axis][part][p]); }
   TALUS_INLINE Quad slope(int axis, Part part, int p) const { return Quad(dN[axis][part][p]); }
+  /// Sums up over the three nodes along an axis.
+  TALUS_INLINE static void add_up(int, Quad value, Quad& sum) { sum += value; }
+};
+
+/// Some particles of a tile, for those moments of the filter that have velocities.
+template <int Dim, class Shape>
+struct MomentBatch : Batch<Dim, Shape, false, 1> {
+  using Batch<Dim, Shape, false, 1>::most;
+  alignas(64) double moment[Dim][2][most];  ///< weight times the place from the node in cells, as weights are
+
+  TALUS_INLINE void find_moments(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count,
+                                 int k) {
+    const auto w = this->find_weights(points, domain, i, count, k);
+    const auto x = domain.in_cells(points.particles.template places<Octet>(points.range.begin + i, count));
+    for (int a = 0; a < Dim; ++a)
+      for (const Part part : {first_node, last_node})
+        store(&moment[a][part][k], w.along[a].N[2 * part] * ((x[a] - w.along[a].first) - Octet(2 * part)));
+  }
+};
+/// Four of these moments: of v and 1, or of x_a v and x_a for one axis. Along this one weights times places take the place of
+/// weights; for all three nodes they add up to zero.
+template <int quad, class MomentBatch>
+struct FourOfMoments {
+  static constexpr bool has_slopes = false;
+  static constexpr int dim = MomentBatch::dim, edge = MomentBatch::edge;
+  const MomentBatch& batch;
+
+  TALUS_INLINE int node(int p) const { return batch.node(p); }
+  TALUS_INLINE Quad weight(int axis, Part part, int p) const {
+    return axis == quad - 1 ? Quad(batch.moment[axis][part][p]) : batch.weight(axis, part, p);
+  }
+  TALUS_INLINE static void add_up(int axis, Quad value, Quad& sum) {
+    if (axis != quad - 1) sum += value;
+  }
 };
 
 /// What three nodes have of a run, or a plane of them, from its sums for the first, the last and all.
@@ -79,10 +124,21 @@ struct LayerSums {
     for (auto& line : of) divide(line[first_node], line[last_node], line[all_nodes]);
     for (int i = 0; i < 3; ++i) divide(of[first_node][i], of[last_node][i], of[all_nodes][i]);
   }
-  template <int edge, NodeOfFour Node>
+  TALUS_INLINE void operator+=(const LayerSums& other) {
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) of[j][i] += other.of[j][i];
+  }
+  TALUS_INLINE void operator-=(const LayerSums& other) {
+    for (int j = 0; j < 3; ++j)
+      for (int i = 0; i < 3; ++i) of[j][i] = of[j][i] - other.of[j][i];
+  }
+  template <int stride, int line, NodeOfFour Node>
   TALUS_INLINE void add_to(Node* nodes) const {
     for (int j = 0; j < 3; ++j)
-      for (int i = 0; i < 3; ++i) store_node(nodes[edge * j + i], load_node(nodes[edge * j + i]) + of[j][i]);
+      for (int i = 0; i < 3; ++i) {
+        Node& node = nodes[line * j + stride * i];
+        store_node(node, load_node(node) + of[j][i]);
+      }
   }
 };
 
@@ -96,45 +152,85 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
   for (int p = begin; p < end; ++p) {
     Quad by_N[3], by_dN[3];
     hand(p, by_N, by_dN);
-    for (int j = 0; j < 3; ++j) {
-      for (const Part part : {first_node, last_node})
-        sums.of[j][part] = multiply_add(batch.weight(0, part, p), by_N[j], sums.of[j][part]);
-      sums.of[j][all_nodes] += by_N[j];
+    for (const Part part : {first_node, last_node}) {
+      const Quad N = batch.weight(0, part, p);
+      for (int j = 0; j < 3; ++j) sums.of[j][part] = multiply_add(N, by_N[j], sums.of[j][part]);
     }
+    for (int j = 0; j < 3; ++j) batch.add_up(0, by_N[j], sums.of[j][all_nodes]);
     if constexpr (Batch::has_slopes)
-      for (int j = 0; j < 3; ++j)
-        for (const Part part : {first_node, last_node})
-          sums.of[j][part] = multiply_add(batch.slope(0, part, p), by_dN[j], sums.of[j][part]);
+      for (const Part part : {first_node, last_node}) {
+        const Quad dN = batch.slope(0, part, p);
+        for (int j = 0; j < 3; ++j) sums.of[j][part] = multiply_add(dN, by_dN[j], sums.of[j][part]);
+      }
   }
   sums.divide_up();
   return sums;
 }
 
 /// Adds the runs of the first `count` particles of a batch to a window, from `hand(part, p, by_N, by_dN)`: what particle p
-/// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all.
-template <int Dim, class Shape, bool slopes, int n_fours, NodeOfFour Node, class Hand>
-TALUS_INLINE void add_runs(const Batch<Dim, Shape, slopes, n_fours>& batch, int count, Node* window, Hand hand) {
-  constexpr int edge = TileLayout<Dim, Shape>::window_edge;
+/// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all. The nodes of the window lie `stride` apart.
+template <int stride = 1, class Batch, NodeOfFour Node, class Hand>
+TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand hand) {
+  constexpr int line = stride * Batch::edge, plane = line * Batch::edge;
   for (int begin = 0, end = 0; begin < count; begin = end) {
-    while (end < count && batch.node[end] == batch.node[begin]) ++end;
-    Node* const nodes = window + batch.node[begin];
+    while (end < count && batch.node(end) == batch.node(begin)) ++end;
+    Node* const nodes = window + stride * batch.node(begin);
     const auto layer = [&](auto part) {
       return sum_up_layer(batch, begin, end,
                           [&](int p, Quad(&by_N)[3], Quad(&by_dN)[3]) { hand(part, p, by_N, by_dN); });
     };
-    if constexpr (Dim == 2) {
-      layer(PartConstant<all_nodes>()).template add_to<edge>(nodes);
+    if constexpr (Batch::dim == 2) {
+      layer(PartConstant<all_nodes>()).template add_to<stride, line>(nodes);
     } else {
-      LayerSums layers[3] = {layer(PartConstant<first_node>()), layer(PartConstant<last_node>()),
-                             layer(PartConstant<all_nodes>())};
-      for (int j = 0; j < 3; ++j)
-        for (int i = 0; i < 3; ++i) divide(layers[0].of[j][i], layers[1].of[j][i], layers[2].of[j][i]);
-      for (int k = 0; k < 3; ++k) layers[k].template add_to<edge>(nodes + edge * edge * k);
+      // Layers are added at once: three of them are more sums than there are registers.
+      LayerSums outer = layer(PartConstant<first_node>());
+      outer.template add_to<stride, line>(nodes);
+      const LayerSums last = layer(PartConstant<last_node>());
+      last.template add_to<stride, line>(nodes + 2 * plane);
+      outer += last;
+      LayerSums between = layer(PartConstant<all_nodes>());
+      between -= outer;
+      between.template add_to<stride, line>(nodes + plane);
     }
   }
 }
 
+/// Adds a quad of moments to every second place of a window.
+template <int quad, int Dim, class Shape>
+TALUS_INLINE void add_moments(const MomentBatch<Dim, Shape>& batch, int count, FourMoments* window) {
+  const FourOfMoments<quad, MomentBatch<Dim, Shape>> four{batch};
+  add_runs<2>(four, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
+    Quad value = batch.four(0, p);
+    if constexpr (layer != all_nodes)
+      value *= four.weight(2, layer, p);
+    else if constexpr (quad == 3)
+      value = Quad(0.0);
+    for (const Part part : {first_node, last_node}) by_N[part] = four.weight(1, part, p) * value;
+    by_N[all_nodes] = Quad(0.0);
+    four.add_up(1, value, by_N[all_nodes]);
+  });
+}
+
 }  // namespace detail
+
+/// Eight of the filter's moments, all of which have velocities; see filter.hpp.
+template <int octet, int Dim, class Shape>
+TALUS_FLATTEN void add_filter_moments_in_runs(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                              EightMoments* window) {
+  static_assert(2 * octet + 1 <= Dim);
+  const ParticlesView<Dim>& particles = points.particles;
+  detail::MomentBatch<Dim, Shape> batch;
+  for (int begin = 0; begin < points.size(); begin += batch.most) {
+    const int count = std::min(points.size() - begin, batch.most);
+    for (int k = 0; k < count; k += 8) {
+      const int some = std::min(count - k, 8);
+      batch.find_moments(points, domain, begin + k, some, k);
+      batch.put_momentum(particles, points.range.begin + begin + k, some, k);
+    }
+    detail::add_moments<2 * octet>(batch, count, &window->quads[0]);
+    detail::add_moments<2 * octet + 1>(batch, count, &window->quads[1]);
+  }
+}
 
 /// Mass and momentum; see mass_and_momentum.hpp.
 template <int Dim, class Shape>
@@ -148,10 +244,7 @@ TALUS_FLATTEN void add_mass_and_momentum_in_runs(const TilePoints<Dim, Shape>& p
     for (int k = 0; k < count; k += 8) {
       const int some = std::min(count - k, 8), first = points.range.begin + begin + k;
       batch.find_weights(points, domain, begin + k, some, k);
-      const Octet mass = load<Octet>(particles.mass() + first, some);
-      Octet numbers[4] = {Octet(0.0), Octet(0.0), Octet(0.0), mass};
-      for (int a = 0; a < Dim; ++a) numbers[a] = mass * load<Octet>(particles.velocity(a) + first, some);
-      batch.put(0, numbers, k);
+      batch.put_momentum(particles, first, some, k);
     }
     add_runs(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
       Quad value = batch.four(0, p);

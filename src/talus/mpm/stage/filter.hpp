@@ -92,7 +92,12 @@ class VelocityFilter {
       if (!m.has_particles(t)) return;
       clear_window<Dim, Shape>(windows_.of(t));
       if (m.is_left_out(t)) return;
-      m.for_each_body(t, [&](auto&, const auto& p) { add_filter_moments<octet>(p, m.domain, windows_.of(t)); });
+      m.for_each_body(t, [&](auto&, const auto& points) {
+        if constexpr (goes_by_runs<Shape> && 2 * octet + 1 <= Dim)
+          add_filter_moments_in_runs<octet>(points, m.domain, windows_.of(t));
+        else
+          add_filter_moments<octet>(points, m.domain, windows_.of(t));
+      });
     });
     exchange_windows(m.backend, m.halo, windows_);
     m.backend.for_each(m.all_tiles, [&](int t, int) {
