@@ -79,7 +79,7 @@ TEST(Pressure, OfAFlowIsCalmAndItsCalmIsPaidInTheLedger) {
   EXPECT_GT(calm.ledger.viscous, 0);
   EXPECT_EQ(rattling.ledger.viscous, 0);
   for (const Seen* seen : {&calm, &rattling}) EXPECT_NEAR(seen->ledger.error(), 0, 1e-4 * seen->ledger.turnover);
-  // Over 40 runs that differ by 1e-10 of gravity calm flow loses 4.92 mJ and what rattles 5.03 mJ, single ones up to 0.23 mJ less or more.
+  // Over 40 runs that differ by 1e-10 of gravity calm flow loses 4.92 mJ and what rattles 5.03 mJ, up to 0.23 mJ less or more.
   EXPECT_LT(calm.ledger.method(), 1.05 * rattling.ledger.method()) << "calm does not lose more";
 }
 
