@@ -72,8 +72,8 @@ struct Batch {
   TALUS_INLINE Quad four(int which, int p) const { return load<Quad>(fours[which][p]); }
   TALUS_INLINE Quad weight(int axis, Part part, int p) const { return Quad(N[axis][part][p]); }
   TALUS_INLINE Quad slope(int axis, Part part, int p) const { return Quad(dN[axis][part][p]); }
-  /// Sums up over the three nodes along an axis.
-  TALUS_INLINE static void add_up(int, Quad value, Quad& sum) { sum += value; }
+  /// Whether the weights of three nodes along an axis add up to one; if not, to zero.
+  static constexpr bool add_up_to_one(int) { return true; }
 };
 
 /// Some particles of a tile, for those moments of the filter that have velocities.
@@ -103,9 +103,8 @@ struct FourOfMoments {
   TALUS_INLINE Quad weight(int axis, Part part, int p) const {
     return axis == quad - 1 ? Quad(batch.moment[axis][part][p]) : batch.weight(axis, part, p);
   }
-  TALUS_INLINE static void add_up(int axis, Quad value, Quad& sum) {
-    if (axis != quad - 1) sum += value;
-  }
+  TALUS_INLINE Quad four(int which, int p) const { return batch.four(which, p); }
+  static constexpr bool add_up_to_one(int axis) { return axis != quad - 1; }
 };
 
 /// What three nodes have of a run, or a plane of them, from its sums for the first, the last and all.
@@ -156,7 +155,8 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
       const Quad N = batch.weight(0, part, p);
       for (int j = 0; j < 3; ++j) sums.of[j][part] = multiply_add(N, by_N[j], sums.of[j][part]);
     }
-    for (int j = 0; j < 3; ++j) batch.add_up(0, by_N[j], sums.of[j][all_nodes]);
+    if constexpr (Batch::add_up_to_one(0))
+      for (int j = 0; j < 3; ++j) sums.of[j][all_nodes] += by_N[j];
     if constexpr (Batch::has_slopes)
       for (const Part part : {first_node, last_node}) {
         const Quad dN = batch.slope(0, part, p);
@@ -168,7 +168,8 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
 }
 
 /// Adds the runs of the first `count` particles of a batch to a window, from `hand(part, p, by_N, by_dN)`: what particle p
-/// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all. The nodes of the window lie `stride` apart.
+/// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all. Nodes of the window lie `stride`
+/// apart.
 template <int stride = 1, class Batch, NodeOfFour Node, class Hand>
 TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand hand) {
   constexpr int line = stride * Batch::edge, plane = line * Batch::edge;
@@ -182,7 +183,7 @@ TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand han
     if constexpr (Batch::dim == 2) {
       layer(PartConstant<all_nodes>()).template add_to<stride, line>(nodes);
     } else {
-      // Layers are added at once: three of them are more sums than there are registers.
+      // Layer by layer: three of them are more sums than there are registers.
       LayerSums outer = layer(PartConstant<first_node>());
       outer.template add_to<stride, line>(nodes);
       const LayerSums last = layer(PartConstant<last_node>());
@@ -195,19 +196,17 @@ TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand han
   }
 }
 
-/// Adds a quad of moments to every second place of a window.
-template <int quad, int Dim, class Shape>
-TALUS_INLINE void add_moments(const MomentBatch<Dim, Shape>& batch, int count, FourMoments* window) {
-  const FourOfMoments<quad, MomentBatch<Dim, Shape>> four{batch};
-  add_runs<2>(four, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
+/// Adds the first four numbers of each particle, times its weights; see `add_runs`.
+template <int stride = 1, class Batch, NodeOfFour Node>
+TALUS_INLINE void add_fours(const Batch& batch, int count, Node* window) {
+  add_runs<stride>(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
     Quad value = batch.four(0, p);
     if constexpr (layer != all_nodes)
-      value *= four.weight(2, layer, p);
-    else if constexpr (quad == 3)
+      value *= batch.weight(2, layer, p);
+    else if constexpr (!Batch::add_up_to_one(2))
       value = Quad(0.0);
-    for (const Part part : {first_node, last_node}) by_N[part] = four.weight(1, part, p) * value;
-    by_N[all_nodes] = Quad(0.0);
-    four.add_up(1, value, by_N[all_nodes]);
+    for (const Part part : {first_node, last_node}) by_N[part] = batch.weight(1, part, p) * value;
+    by_N[all_nodes] = Batch::add_up_to_one(1) ? value : Quad(0.0);
   });
 }
 
@@ -218,17 +217,18 @@ template <int octet, int Dim, class Shape>
 TALUS_FLATTEN void add_filter_moments_in_runs(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                               EightMoments* window) {
   static_assert(2 * octet + 1 <= Dim);
-  const ParticlesView<Dim>& particles = points.particles;
-  detail::MomentBatch<Dim, Shape> batch;
+  using namespace detail;
+  using Batch = MomentBatch<Dim, Shape>;
+  Batch batch;
   for (int begin = 0; begin < points.size(); begin += batch.most) {
     const int count = std::min(points.size() - begin, batch.most);
     for (int k = 0; k < count; k += 8) {
       const int some = std::min(count - k, 8);
       batch.find_moments(points, domain, begin + k, some, k);
-      batch.put_momentum(particles, points.range.begin + begin + k, some, k);
+      batch.put_momentum(points.particles, points.range.begin + begin + k, some, k);
     }
-    detail::add_moments<2 * octet>(batch, count, &window->quads[0]);
-    detail::add_moments<2 * octet + 1>(batch, count, &window->quads[1]);
+    add_fours<2>(FourOfMoments<2 * octet, Batch>{batch}, count, &window->quads[0]);
+    add_fours<2>(FourOfMoments<2 * octet + 1, Batch>{batch}, count, &window->quads[1]);
   }
 }
 
@@ -237,21 +237,15 @@ template <int Dim, class Shape>
 TALUS_FLATTEN void add_mass_and_momentum_in_runs(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
                                                  MassMomentum* window) {
   using namespace detail;
-  const ParticlesView<Dim>& particles = points.particles;
   Batch<Dim, Shape, false, 1> batch;
   for (int begin = 0; begin < points.size(); begin += batch.most) {
     const int count = std::min(points.size() - begin, batch.most);
     for (int k = 0; k < count; k += 8) {
-      const int some = std::min(count - k, 8), first = points.range.begin + begin + k;
+      const int some = std::min(count - k, 8);
       batch.find_weights(points, domain, begin + k, some, k);
-      batch.put_momentum(particles, first, some, k);
+      batch.put_momentum(points.particles, points.range.begin + begin + k, some, k);
     }
-    add_runs(batch, count, window, [&](auto layer, int p, Quad(&by_N)[3], Quad(&)[3]) {
-      Quad value = batch.four(0, p);
-      if constexpr (layer != all_nodes) value *= batch.weight(2, layer, p);
-      for (const Part part : {first_node, last_node}) by_N[part] = batch.weight(1, part, p) * value;
-      by_N[all_nodes] = value;
-    });
+    add_fours(batch, count, window);
   }
 }
 
