@@ -70,7 +70,7 @@ struct MuI {
   template <Number R>
   TALUS_HD R friction(R g, R p) const {
     const R A = R(2 * d) * g * R(std::sqrt(rho_s));  // I sqrt(p)
-    return R(mu_s) + R(mu_d - mu_s) * A / max(R(I_0) * root(max(p, R(0.0))) + A, R(1e-300));
+    return R(mu_s) + R(mu_d - mu_s) * A / max(R(I_0) * sqrt(max(p, R(0.0))) + A, R(1e-300));
   }
 
   /// State of the forms with history.

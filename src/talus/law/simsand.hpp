@@ -116,7 +116,7 @@ struct Simsand {
   template <Number R>
   TALUS_HD R compression_per_pressure(R p) const {
     const R ratio = max(p, R(1e-300)) * R(1 / atmospheric_pressure);
-    const R power = n == 0.5 ? inverse_root(ratio) : exp(R(-n) * log(ratio));
+    const R power = n == 0.5 ? R(1.0) / sqrt(ratio) : exp(R(-n) * log(ratio));
     return select(p > R(0.0), R(1 / atmospheric_pressure) * power, R(0.0));
   }
   template <Number R>

@@ -202,8 +202,8 @@ struct ReturnEquation {
   /// q of the trial stress, a polynomial in G, and 1 over it.
   TALUS_HD void find_trial(R G, ReturnRates<R>& rates) const {
     const R g = R(2.0) * G, q2 = R(1.5) * max(ss + g * (R(2.0) * se + g * ee), R(0.0));
-    rates.per_q = inverse_root(max(q2, R(1e-200)));
-    rates.q_trial = q2 * rates.per_q;
+    rates.q_trial = sqrt(q2);
+    rates.per_q = R(1.0) / max(rates.q_trial, R(1e-100));
   }
   /// d kappa, h and 1/root of f = 0:  (q_trial - 3 G dk)(k_p + kappa_n + dk) = p M_p (kappa_n + dk)
   TALUS_HD void mobilise(ReturnPoint<R>& r, ReturnRates<R>& rates) const {
@@ -212,10 +212,10 @@ struct ReturnEquation {
     const R G3 = R(3.0) * r.G, strength = r.p * r.M_p, k = R(law.k_p) + kappa_n;
     const R excess = two * max(rates.q_trial * k - strength * kappa_n, zero);  // positive where the trial is outside
     const R b = G3 * k + strength - rates.q_trial;
-    const R discriminant = max(b * b + two * G3 * excess, zero);
-    rates.per_root = inverse_root(discriminant);
+    const R root = sqrt(max(b * b + two * G3 * excess, zero));
+    rates.per_root = R(1.0) / max(root, R(1e-100));
     // dk = excess/below, h = (kappa_n + dk)/(k + dk), with one division for both
-    const R below = max(b + discriminant * rates.per_root, R(1e-100)), hardened = k * below + excess;
+    const R below = max(b + root, R(1e-100)), hardened = k * below + excess;
     const R per_both = R(1.0) / (below * hardened);
     r.dkappa = excess * hardened * per_both;
     rates.per_k = below * below * per_both;
@@ -366,8 +366,9 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
 
   const M carries = !lost;
   const SymTensor<R> s_trial = equation.trial_deviator(r.G);
-  const R q2 = R(1.5) * double_dot(s_trial, s_trial), per_q = inverse_root(max(q2, R(1e-200)));
-  const R q = select(r.dkappa > zero, r.p * r.eta(), q2 * per_q);
+  const R q2 = R(1.5) * double_dot(s_trial, s_trial), q_trial = sqrt(q2);
+  const R per_q = one / max(q_trial, R(1e-100));
+  const R q = select(r.dkappa > zero, r.p * r.eta(), q_trial);
   const R back = select(r.dkappa > zero, q * per_q, one);
   if (all(carries)) {
     state = {stress_from(back * s_trial, r.p), x, state.kappa + r.dkappa, trial.e};

@@ -1,5 +1,5 @@
 #pragma once
-/// exp, log and inverse roots for one number or a pack of them, with the same bits either way.
+/// exp, log and fourth roots for one number or a pack of them, with the same bits either way.
 ///
 /// Both reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
 /// the Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range
@@ -96,27 +96,9 @@ TALUS_HD R log(R x) {
   return multiply_add(k, R(ln2_high), f - (half_f2 - tail)) + trouble;
 }
 
-/// 1/sqrt x, at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its
-/// logarithm, so minus half of them is a first estimate y; the series of (1 - e)^(-1/2) in its error e = 1 - x y^2
-/// corrects it. A square root and a division take three times as long.
-template <Number R>
-TALUS_HD R inverse_root(R x) {
-  using namespace detail;
-  R y = number(0x5fe6eb50c7b537a9u - (bits(x) >> 1));  // |e| < 0.07
-  R e = multiply_add(-x * y, y, R(1.0));
-  const R first = multiply_add(multiply_add(R(35.0 / 128), e, R(5.0 / 16)), e, R(3.0 / 8));
-  y = multiply_add(y * e, multiply_add(first, e, R(0.5)), y);
-  e = multiply_add(-x * y, y, R(1.0));
-  return multiply_add(y * e, multiply_add(R(3.0 / 8), e, R(0.5)), y);
-}
-
-/// sqrt x, at most 3 ulp off, for normal positive x and 0.
-template <Number R>
-TALUS_HD R root(R x) {
-  return x * inverse_root(x);
-}
-
-/// x^(-1/4), as `inverse_root`.
+/// x^(-1/4), at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its logarithm, so minus a
+/// quarter of them is a first estimate y; the series of (1 - e)^(-1/4) in its error e = 1 - x y^4 corrects it. Two square roots and a
+/// division take longer.
 template <Number R>
 TALUS_HD R inverse_fourth_root(R x) {
   using namespace detail;

@@ -81,7 +81,9 @@ TALUS_HD SymTensor<R> square(const SymTensor<R>& a) {
 
 template <class R>
 TALUS_HD R determinant(const SymTensor<R>& a) {
-  return a.xx * (a.yy * a.zz - a.yz * a.yz) - a.xy * (a.xy * a.zz - a.yz * a.zx) + a.zx * (a.xy * a.yz - a.yy * a.zx);
+  const auto cofactor = [](R x, R y, R u, R v) { return multiply_add(x, y, -(u * v)); };
+  return multiply_add(a.zx, cofactor(a.xy, a.yz, a.yy, a.zx),
+                      multiply_add(a.xy, cofactor(a.yz, a.zx, a.xy, a.zz), a.xx * cofactor(a.yy, a.zz, a.yz, a.yz)));
 }
 
 template <class R>

@@ -65,15 +65,16 @@ TALUS_HD R lode_angle(R S) {
 ///   sheng:         M = M_c (2 c^4 / (1 + c^4 + (1 - c^4) S))^(1/4),
 ///                  M_c = 6 sin phi/(3 - sin phi),  c = (3 - sin phi)/(3 + sin phi);
 ///                  with w = 1/cos phi that is M = 6 t / (A + B S)^(1/4),
-///                  2 A = (3 w + t)^4 + (3 w - t)^4,  2 B = (3 w + t)^4 - (3 w - t)^4
+///                  A = ((3 w + t)^4 + (3 w - t)^4)/2 = 81 + 216 t^2 + 136 t^4,
+///                  B = ((3 w + t)^4 - (3 w - t)^4)/2 = 12 t w (9 + 10 t^2)
 ///   mohr_coulomb:  M = 3 sin phi / (sqrt 3 cos theta + sin phi sin theta)
 template <class R>
 TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
   const R t2 = t * t, w2 = R(1.0) + t2;
   if (rule == LodeRule::sheng) {
-    const R A = R(81.0) * w2 * w2 + t2 * (R(54.0) * w2 + t2);
-    const R B = R(12.0) * t * w2 * inverse_root(w2) * (R(9.0) * w2 + t2);
-    return R(6.0) * t * inverse_fourth_root(A + B * S);
+    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0));
+    const R B = R(12.0) * t * sqrt(w2) * multiply_add(t2, R(10.0), R(9.0));
+    return R(6.0) * t * inverse_fourth_root(multiply_add(B, S, A));
   }
   const R sine = sine_of_tangent(t);
   if (rule == LodeRule::none) return R(6.0) * sine / (R(3.0) - sine);
@@ -88,13 +89,14 @@ template <class R>
 TALUS_HD FrictionSlope<R> friction_slope_and_derivatives(LodeRule rule, R t, R S) {
   const R one(1.0), t2 = t * t, w2 = one + t2;
   if (rule == LodeRule::sheng) {
-    const R per_w = inverse_root(w2), b = R(12.0) * t * w2 * per_w, c = R(9.0) * w2 + t2;
-    const R A = R(81.0) * w2 * w2 + t2 * (R(54.0) * w2 + t2), B = b * c;
-    const R y = inverse_fourth_root(A + B * S), y2 = y * y, quarter = R(0.25) * y2 * y2;
+    const R b = R(12.0) * t * sqrt(w2);
+    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0)),
+            B = b * multiply_add(t2, R(10.0), R(9.0));
+    const R y = inverse_fourth_root(multiply_add(B, S, A)), y2 = y * y, quarter = R(0.25) * y2 * y2;
     const R M = R(6.0) * t * y;
     // t dA/dt and t dB/dt
-    const R dA = t2 * (R(432.0) * w2 + R(112.0) * t2), dB = B + b * t2 * (c * per_w * per_w + R(20.0));
-    return {M, R(6.0) * y * (one - quarter * (dA + dB * S)), -quarter * B * M};
+    const R dA = t2 * multiply_add(t2, R(544.0), R(432.0)), dB = multiply_add(b * t2, t2 / w2 + R(29.0), B);
+    return {M, R(6.0) * y * (one - quarter * multiply_add(dB, S, dA)), -quarter * B * M};
   }
   const R per_w = one / sqrt(w2), sine = t * per_w, dsine = per_w * per_w * per_w;
   const R M = friction_slope(rule, t, S);

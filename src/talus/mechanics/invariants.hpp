@@ -54,7 +54,7 @@ TALUS_HD R deviatoric_strain(const SymTensor<R>& e) {
 /// |g| = sqrt(D:D/2) [1/s], from the deviator D of the strain rate: half the engineering shear rate in simple shear.
 template <class R>
 TALUS_HD R shear_rate(const SymTensor<R>& D) {
-  return root(R(0.5) * double_dot(D, D));
+  return sqrt(R(0.5) * double_dot(D, D));
 }
 
 /// S = sin(3 theta), the Lode angle: -1 in triaxial compression, 0 in simple shear, +1 in triaxial extension.

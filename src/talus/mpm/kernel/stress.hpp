@@ -380,7 +380,7 @@ TALUS_HD void end_step(const TileInStep<Law, Dim>& step, PackInStep<R, Law>& pac
   SymTensor<R> flux = volume * Law::total_stress(pack.state);
   if constexpr (StiffensFromNothing<Law>) {
     if (how.bulk_viscosity > 0) {
-      const R impedance = root(max(zero, response.stiffness * mass * volume));  // rho c V
+      const R impedance = sqrt(max(zero, response.stiffness * mass * volume));  // rho c V
       const R damping = R(how.bulk_viscosity / cells.per_length) * impedance;
       const R q = viscous_pressure(damping, trace(pack.motion.strain_rate), R(1.0 / 3.0) * trace(flux));
       for (int c = 0; c < 3; ++c) flux[c] -= q;
