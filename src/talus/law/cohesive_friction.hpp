@@ -58,8 +58,7 @@ struct CohesiveFriction : Elasticity {
     const R zero = R(0.0);
     const double K = bulk_modulus(), G = shear_modulus();
     const R w = state.compression + volumetric_compression(strain);
-    const R p_trial = R(K) * w, q2 = R(1.5) * double_dot(s_trial, s_trial);
-    const R q_trial = sqrt(q2), per_q = R(1.0) / max(q_trial, R(1e-100));
+    const R p_trial = R(K) * w, q_trial = von_mises(s_trial), per_q = R(1.0) / max(q_trial, R(1e-100));
 
     // Flow until no shear stress is left dilates by M_psi q_trial/(3 G). If that leaves a pressure above the apex's, f
     // becomes zero on the way there: on the cone. An opening that the step does not close leaves nothing to dilate.

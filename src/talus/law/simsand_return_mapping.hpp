@@ -366,8 +366,7 @@ TALUS_FLATTEN TALUS_NOINLINE TALUS_HD Response<R> return_mapping(const Simsand& 
 
   const M carries = !lost;
   const SymTensor<R> s_trial = equation.trial_deviator(r.G);
-  const R q2 = R(1.5) * double_dot(s_trial, s_trial), q_trial = sqrt(q2);
-  const R per_q = one / max(q_trial, R(1e-100));
+  const R q_trial = von_mises(s_trial), per_q = one / max(q_trial, R(1e-100));
   const R q = select(r.dkappa > zero, r.p * r.eta(), q_trial);
   const R back = select(r.dkappa > zero, q * per_q, one);
   if (all(carries)) {

@@ -1,7 +1,7 @@
 #pragma once
 /// exp, log and fourth roots for one number or a pack of them, with the same bits either way.
 ///
-/// Both reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
+/// exp and log reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
 /// the Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range
 /// of the tests: 1 ulp.
 

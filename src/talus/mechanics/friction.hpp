@@ -90,8 +90,8 @@ TALUS_HD FrictionSlope<R> friction_slope_and_derivatives(LodeRule rule, R t, R S
   const R one(1.0), t2 = t * t, w2 = one + t2;
   if (rule == LodeRule::sheng) {
     const R b = R(12.0) * t * sqrt(w2);
-    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0)),
-            B = b * multiply_add(t2, R(10.0), R(9.0));
+    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0));
+    const R B = b * multiply_add(t2, R(10.0), R(9.0));
     const R y = inverse_fourth_root(multiply_add(B, S, A)), y2 = y * y, quarter = R(0.25) * y2 * y2;
     const R M = R(6.0) * t * y;
     // t dA/dt and t dB/dt
