@@ -58,6 +58,20 @@ TALUS_HD R lode_angle(R S) {
   return lanewise([](double s) { return std::asin(std::abs(s) > 1 - 1e-14 ? std::copysign(1.0, s) : s) / 3; }, S);
 }
 
+/// The slope of `sheng` as in `friction_slope`, with its derivatives.
+template <class R>
+TALUS_HD FrictionSlope<R> sheng_slope(R t, R S) {
+  const R one(1.0), t2 = t * t, w2 = one + t2;
+  const R b = R(12.0) * t * sqrt(w2);
+  const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0));
+  const R B = b * multiply_add(t2, R(10.0), R(9.0));
+  const R y = inverse_fourth_root(multiply_add(B, S, A)), y2 = y * y, quarter = R(0.25) * y2 * y2;
+  const R M = R(6.0) * t * y;
+  // t dA/dt and t dB/dt
+  const R dA = t2 * multiply_add(t2, R(544.0), R(432.0)), dB = multiply_add(b * t2, t2 / w2 + R(29.0), B);
+  return {M, R(6.0) * y * (one - quarter * multiply_add(dB, S, dA)), -quarter * B * M};
+}
+
 }  // namespace detail
 
 /// Slope M of the failure line in the p-q plane for the friction angle with tangent `t` (0 <= t <= `steepest_tangent`)
@@ -70,12 +84,7 @@ TALUS_HD R lode_angle(R S) {
 ///   mohr_coulomb:  M = 3 sin phi / (sqrt 3 cos theta + sin phi sin theta)
 template <class R>
 TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
-  const R t2 = t * t, w2 = R(1.0) + t2;
-  if (rule == LodeRule::sheng) {
-    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0));
-    const R B = R(12.0) * t * sqrt(w2) * multiply_add(t2, R(10.0), R(9.0));
-    return R(6.0) * t * inverse_fourth_root(multiply_add(B, S, A));
-  }
+  if (rule == LodeRule::sheng) return detail::sheng_slope(t, S).M;
   const R sine = sine_of_tangent(t);
   if (rule == LodeRule::none) return R(6.0) * sine / (R(3.0) - sine);
   const R theta = detail::lode_angle(S);
@@ -87,18 +96,8 @@ TALUS_HD R friction_slope(LodeRule rule, R t, R S) {
 /// The slope as in `friction_slope`, with its derivatives.
 template <class R>
 TALUS_HD FrictionSlope<R> friction_slope_and_derivatives(LodeRule rule, R t, R S) {
-  const R one(1.0), t2 = t * t, w2 = one + t2;
-  if (rule == LodeRule::sheng) {
-    const R b = R(12.0) * t * sqrt(w2);
-    const R A = multiply_add(t2, multiply_add(t2, R(136.0), R(216.0)), R(81.0));
-    const R B = b * multiply_add(t2, R(10.0), R(9.0));
-    const R y = inverse_fourth_root(multiply_add(B, S, A)), y2 = y * y, quarter = R(0.25) * y2 * y2;
-    const R M = R(6.0) * t * y;
-    // t dA/dt and t dB/dt
-    const R dA = t2 * multiply_add(t2, R(544.0), R(432.0)), dB = multiply_add(b * t2, t2 / w2 + R(29.0), B);
-    return {M, R(6.0) * y * (one - quarter * multiply_add(dB, S, dA)), -quarter * B * M};
-  }
-  const R per_w = one / sqrt(w2), sine = t * per_w, dsine = per_w * per_w * per_w;
+  if (rule == LodeRule::sheng) return detail::sheng_slope(t, S);
+  const R one(1.0), per_w = one / sqrt(one + t * t), sine = t * per_w, dsine = per_w * per_w * per_w;
   const R M = friction_slope(rule, t, S);
   if (rule == LodeRule::none) return {M, R(18.0) / ((R(3.0) - sine) * (R(3.0) - sine)) * dsine, R(0.0)};
   const R theta = detail::lode_angle(S), root3(std::numbers::sqrt3);
