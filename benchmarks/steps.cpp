@@ -274,8 +274,9 @@ struct SpeedUp {
   double distance_least, distance_median, distance_most;  ///< between the processors: there and back [s]
 };
 
-/// Median over blocks in turn, each between blocks of one thread on each of the first processors. Nothing if there are fewer
-/// processors than threads.
+/// Median over blocks in turn, each between blocks of one thread on each of the first processors. Before each block two steps
+/// bring what other cores have in their caches to those that need it from now on. Nothing if there are fewer processors than
+/// threads.
 std::optional<SpeedUp> speed_up(Simulation& simulation, TimedLoop& loop, int threads, bool quick) {
   const std::vector<int> all = processors();
   if (int(all.size()) < threads) return std::nullopt;
@@ -283,16 +284,19 @@ std::optional<SpeedUp> speed_up(Simulation& simulation, TimedLoop& loop, int thr
   const double block_seconds = quick ? 0.05 : 0.1;
   loop.threaded = false;
   const int n_steps = std::max(2, int(block_seconds / measure(simulation, loop, 3).wall));
+  const auto seconds_a_step = [&](bool threaded) {
+    loop.threaded = threaded;
+    measure(simulation, loop, 2);
+    return measure(simulation, loop, n_steps).wall;
+  };
   std::vector<double> ratios, distances;
   for (int round = 0; round < n_rounds; ++round) {
     double rate_of_one = 0, seconds = 0;  // of one thread, mean of the processors; of a step on all threads
     for (int k = 0; k < threads; ++k) {
-      loop.threaded = false;
       run_on({all[std::size_t(k)]});
-      rate_of_one += 1 / measure(simulation, loop, n_steps).wall / threads;
-      loop.threaded = true;
+      rate_of_one += 1 / seconds_a_step(false) / threads;
       run_on({all.front()});  // the other threads go where they find room
-      seconds += measure(simulation, loop, n_steps).wall / threads;
+      seconds += seconds_a_step(true) / threads;
     }
     ratios.push_back(1 / (seconds * rate_of_one));
     double distance = 0;

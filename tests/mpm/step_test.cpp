@@ -138,6 +138,22 @@ TEST(Step, FiltersVelocitiesEightTimesInTau) {
   }
 }
 
+TEST(Step, CanBeLookedAtBeforeAFilterAsAtAnyOtherTime) {
+  // A particle alone gives its velocity to all of its nodes and so does not strain, whatever its stress does to them. A filter
+  // follows the second step and the fourth: until then nodes need no momentum, but whoever looks does.
+  OneParticle run(1.0 / 8);
+  run.numerics.transfer = Transfer::affine_tau;
+  run.numerics.tau = 2;
+  run.velocity = {0.1, 0};
+  run.pressure = 5;
+  Simulation& s = run.start();
+  for (int i = 0; i < 5; ++i) {
+    s.step();
+    for (int twice = 0; twice < 2; ++twice) EXPECT_NEAR(value(s.observe(), "shear_rate", 0, 0), 0, 1e-14) << i;
+    EXPECT_NEAR(s.places().places[0][0], 5.3 + 0.1 * s.ledger().time, 1e-13) << i;
+  }
+}
+
 TEST(Step, ThatCarriesAParticleOutOfTheDomainBreaksTheRunWhichCanStillBeSeen) {
   // From x = 0.2 at -3 m/s for 0.1 s.
   OneParticle run(0.1);

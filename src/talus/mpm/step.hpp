@@ -35,14 +35,14 @@ class Stepper final : public Simulation {
     carried_.n_ids = double(model_.n_particles);
     arrange(model_);
     ledger_.start(add_up_particles(model_), elastic_energy());
-    add_momentum(model_);
+    give_momentum();
   }
 
   void step() override {
     const StepBounds limits = bounds();
     const BoundedStep next = next_step();
     ledger_.add_gravity(vector_of(model_.gravity_at_nodes()), next.dt);
-    const bool filters = is_filter_due();
+    const bool filters = is_filter_due(carried_.unfiltered);
     if (filters) filter();
     const StepInput step = input_of(next.dt);
     if (model_.numerics.order == Order::usf)
@@ -98,26 +98,34 @@ class Stepper final : public Simulation {
     talus::restore(model_, ledger_, tally_, carried_, read);
     restore_surfaces(surfaces_, read);
     rest_again(model_);
-    add_momentum(model_);
+    give_momentum();
   }
 
  private:
   Observation observe_own(const std::vector<std::string>& fields) {
-    if (!broken_) find_node_velocities(model_, between_steps());
+    if (!broken_) {
+      if (!has_momentum_) give_momentum();
+      find_node_velocities(model_, between_steps());
+    }
     return talus::observe(model_, ledger_.time, ledger_.step, broken_, fields);
   }
 
   // ---- stages, and what they leave for later
 
-  bool is_filter_due() const {
-    return model_.numerics.transfer == Transfer::affine_tau &&
-           carried_.unfiltered >= tau_of(model_.numerics) / filters_per_tau;
+  void give_momentum() {
+    add_momentum(model_);
+    has_momentum_ = true;
+  }
+  /// After so long without.
+  bool is_filter_due(double unfiltered) const {
+    return model_.numerics.transfer == Transfer::affine_tau && unfiltered >= tau_of(model_.numerics) / filters_per_tau;
   }
   void filter() {
     const double share = -std::expm1(-carried_.unfiltered / tau_of(model_.numerics));
     carried_.unfiltered = 0;
     const FilterCost cost = filter_.apply(model_, between_steps(), share);
     ledger_.add_filter(cost.contacts, cost.particles);
+    has_momentum_ = true;
   }
   /// The stages before particles move (usf). No sum of a stage has an effect on the next one, so all are added up at the end.
   void accelerate_after_stress(const StepInput& step, bool filtered) {
@@ -166,7 +174,10 @@ class Stepper final : public Simulation {
     const bool is_expected = carried_.drift + cells * ledger_.max_speed > largest_drift ||
                              carried_.drift + cells * fastest_node_ > reach_of_windows;
     ++model_.n_steps_in_order;
-    const SumsByTile motion = move_particles(model_, step, is_expected);
+    // A filtering gives momentum anew; only contacts look at nodes before.
+    const bool is_read = !is_filter_due(carried_.unfiltered + step.dt) || model_.contact_finder.any();
+    has_momentum_ = is_read && !is_expected;
+    const SumsByTile motion = move_particles(model_, step, has_momentum_);
     const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
     ledger_.add_motion(of_motion, step.dt);
     carried_.drift += cells * std::sqrt(of_motion[Most::way_speed2]);
@@ -175,8 +186,10 @@ class Stepper final : public Simulation {
     tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
     expect_inside(of_motion);
     if (!is_expected && carried_.drift <= largest_drift) return;
-    if (!is_expected) finish_exchange(model_.backend, model_.halo, model_.grid.momentum_windows);
+    if (has_momentum_) finish_exchange(model_.backend, model_.halo, model_.grid.momentum_windows);
+    has_momentum_ = false;
     rearrange(step.dt);
+    if (is_read) give_momentum();
   }
   void rearrange(double dt) {
     const bool is_in_windows = carried_.drift < reach_of_windows;
@@ -204,7 +217,6 @@ class Stepper final : public Simulation {
     carried_.drift = 0;
     if (falls_round()) ledger_.add_periods(add_up_particles(model_));
     rest_again(model_);
-    add_momentum(model_);
   }
   void expect_inside(const TileSums& sums) {
     if (sums[Sum::faulty] == 0) return;
@@ -293,6 +305,7 @@ class Stepper final : public Simulation {
   double finite_wave_speed_ = 0;         ///< of the step before [m/s], for messages
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]
   std::vector<Stiffening> stiffenings_;  ///< of squared wave speed where grains meet without stress, one a body
+  bool has_momentum_ = false;            ///< windows hold that of particles as they are now
   bool broken_ = false;                  ///< particles may stand anywhere
 };
 

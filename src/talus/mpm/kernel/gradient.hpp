@@ -41,7 +41,8 @@ TALUS_HD void gradients_of_four(const FourWeights<Dim, Shape>& w, const MassVelo
 /// found.
 template <int Dim, class Shape>
 TALUS_HD void fetch_for_stress(const TilePoints<Dim, Shape>& points, int i) {
-  points.particles.fetch(ParticleField::mass, ParticleField::velocity_moment, points.range.begin + i);
+  points.particles.fetch(ParticleField::mass, ParticleField::ids, points.range.begin + i);
+  points.particles.fetch(ParticleField::state, ParticleField::velocity_moment, points.range.begin + i);
 }
 
 /// Writes what `gradients_of_four` has found of `count` particles from number i of the tile on into the scratch.

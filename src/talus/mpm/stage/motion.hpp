@@ -64,13 +64,13 @@ SumsByTile speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   });
 }
 
-/// v_p (if stress came first) and x_p from the nodes. Then, unless particles are about to be `rearranged`, they give mass
-/// and momentum to the nodes where they are now.
+/// v_p (if stress came first) and x_p from the nodes. Then, if `gives_momentum`, particles give mass and momentum to the nodes
+/// where they are now.
 template <int Dim, class Shape>
-SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rearranged) {
+SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool gives_momentum) {
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
-  return m.over_tiles(rearranged ? nullptr : &m.grid.momentum_windows, [&](int t, int worker, TileSums& sums) {
+  return m.over_tiles(gives_momentum ? &m.grid.momentum_windows : nullptr, [&](int t, int worker, TileSums& sums) {
     if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     const bool was_left_out = m.is_left_out(t);
@@ -85,7 +85,7 @@ SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool rear
     }
     add_up_particles_of_tile(m, t, sums);
     if (!m.rests.empty() && !was_left_out) watch_rest(m, t, worker, step, sums);
-    if (!rearranged && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t);
+    if (gives_momentum && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t);
   });
 }
 
