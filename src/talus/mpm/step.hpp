@@ -35,7 +35,6 @@ class Stepper final : public Simulation {
     carried_.n_ids = double(model_.n_particles);
     arrange(model_);
     ledger_.start(add_up_particles(model_), elastic_energy());
-    give_momentum();
   }
 
   void step() override {
@@ -44,6 +43,7 @@ class Stepper final : public Simulation {
     ledger_.add_gravity(vector_of(model_.gravity_at_nodes()), next.dt);
     const bool filters = is_filter_due(carried_.unfiltered);
     if (filters) filter();
+    need_momentum();
     const StepInput step = input_of(next.dt);
     if (model_.numerics.order == Order::usf)
       accelerate_after_stress(step, filters);
@@ -98,13 +98,13 @@ class Stepper final : public Simulation {
     talus::restore(model_, ledger_, tally_, carried_, read);
     restore_surfaces(surfaces_, read);
     rest_again(model_);
-    give_momentum();
+    has_momentum_ = false;
   }
 
  private:
   Observation observe_own(const std::vector<std::string>& fields) {
     if (!broken_) {
-      if (!has_momentum_) give_momentum();
+      need_momentum();
       find_node_velocities(model_, between_steps());
     }
     return talus::observe(model_, ledger_.time, ledger_.step, broken_, fields);
@@ -112,8 +112,8 @@ class Stepper final : public Simulation {
 
   // ---- stages, and what they leave for later
 
-  void give_momentum() {
-    add_momentum(model_);
+  void need_momentum() {
+    if (!has_momentum_) add_momentum(model_);
     has_momentum_ = true;
   }
   /// After so long without.
@@ -123,6 +123,7 @@ class Stepper final : public Simulation {
   void filter() {
     const double share = -std::expm1(-carried_.unfiltered / tau_of(model_.numerics));
     carried_.unfiltered = 0;
+    if (model_.contact_finder.any()) need_momentum();
     const FilterCost cost = filter_.apply(model_, between_steps(), share);
     ledger_.add_filter(cost.contacts, cost.particles);
     has_momentum_ = true;
@@ -189,7 +190,6 @@ class Stepper final : public Simulation {
     if (has_momentum_) finish_exchange(model_.backend, model_.halo, model_.grid.momentum_windows);
     has_momentum_ = false;
     rearrange(step.dt);
-    if (is_read) give_momentum();
   }
   void rearrange(double dt) {
     const bool is_in_windows = carried_.drift < reach_of_windows;
