@@ -10,6 +10,7 @@ import io
 import json
 import pathlib
 import sys
+import time
 
 import h5py
 import numpy
@@ -35,6 +36,31 @@ def hold_vane_against_its_motion(points, time):
     c, s = numpy.cos(numpy.radians(300) * time), numpy.sin(numpy.radians(300) * time)
     outside = abs(numpy.array([c * x - s * z, y, s * x + c * z]).T) - [0.015, 0.02, 0.02]
     assert len(x) > 100 and abs(outside.max(axis=1)).max() < 1e-5, abs(outside.max(axis=1)).max()
+
+
+def watch(page, button, times):
+    """Playing shows each instant after the one before, the first after the last; Pause holds, whenever it was pressed.
+
+    The page itself notes what it shows: looks from outside, at their own rhythm, can miss the same instant each time.
+    """
+    page.execute_script("window.shown = []; document.addEventListener('instant', (e) => window.shown.push(e.detail))")
+
+    def shown():
+        return page.execute_script("return window.shown")
+
+    button.click()
+    WebDriverWait(page, 60).until(lambda _: len(shown()) > len(times))
+    # What an earlier Play began does not go on: Pause and Play twice, then Pause, pressed while an instant comes into view.
+    for presses in (2, 2, 1):
+        page.execute_script("const [button, presses] = arguments; document.addEventListener('instant', "
+                            "() => { for (let i = 0; i < presses; ++i) button.click(); }, {once: true})", button, presses)
+        enough = len(shown()) + 2
+        WebDriverWait(page, 60).until(lambda _: len(shown()) >= enough or button.text == "Play")
+    before = len(shown())
+    time.sleep(2)
+    assert len(shown()) == before
+    places = [times.index(t) for t in shown()]
+    assert all(b == (a + 1) % len(times) for a, b in zip(places, places[1:])), places
 
 
 def use(page):
@@ -143,6 +169,7 @@ def use(page):
     stage_box.send_keys(Keys.SPACE)
     wait(lambda: state()["frame"] >= 2)
     stage_box.send_keys(Keys.SPACE)
+    watch(page, element("play"), [entry["time"] for entry in series])
 
     # A curve: what the legend says under the pointer is a row of the history; a click goes to its instant.
     rows = list(csv.DictReader(open(folder / "history.csv")))
@@ -223,7 +250,8 @@ def use_map(page):
     # Scrubbing shows the maps in time; the last instant is the deposit.
     element("map_instant").send_keys(Keys.END)
     wait(lambda: state()["layer"] == "thickness" and state()["frame"] == state()["frames"] - 1)
-    assert state()["frames"] == len(json.loads((folder / "maps/frames/frames.json").read_text())) >= 4
+    frames = json.loads((folder / "maps/frames/frames.json").read_text())
+    assert state()["frames"] == len(frames) >= 4
     wait(lambda: element("map_time").text == "t = {:g} s".format(float("{:.3g}".format(state()["time"]))))
     head, numbers = asc("deposit")
     rows, columns = numpy.where(numbers > 0)
@@ -232,9 +260,11 @@ def use_map(page):
         north = head["yllcorner"] + (head["nrows"] - rows[i] - 0.5) * head["cellsize"]
         value = numbers[rows[i], columns[i]]
         wait(lambda: abs(page.execute_script(f"return window.talus_map.value_at({east}, {north})") - value) <= 0.0025 * value)
+    wait(lambda: page.execute_script("return window.talus.state().ready"))  # it tells of its own first instant
+    watch(page, element("map_play"), [frame["time"] for frame in frames])
     element("map_play").click()
-    wait(lambda: state()["frame"] == 1)
-    element("map_play").click()
+    page.execute_script("document.dispatchEvent(new CustomEvent('seek', {detail: 1.01}))")  # as a click on a curve does
+    wait(lambda: element("map_play").text == "Play" and state()["frame"] == 1)
     scale = state()["scale"]
     element("map_in").click()
     assert state()["scale"] > scale

@@ -342,15 +342,19 @@
       `east ${(at[0] + scene.origin[0]).toFixed(1)}, north ${(at[1] + scene.origin[1]).toFixed(1)} m (${scene.projection})`;
   }
   const in_time = () => { if (!choice.in_time) choice = choices.find((c) => c.id === "thickness"); };
-  let playing = null;
+  let playing = null;  // one object for each time it is played: what an earlier one began ends there
   function play(on) {
-    clearTimeout(playing);
-    playing = null;
+    const mine = playing = on ? {} : null;
     by_id("map_play").textContent = on ? "Pause" : "Play";
     if (!on) return;
     in_time();
-    const next = async () => { now = (now + 1) % frames.length; await show(); if (playing !== null) playing = setTimeout(next, now === frames.length - 1 ? 900 : 130); };
-    playing = setTimeout(next, 0);
+    const next = async () => {
+      if (playing !== mine) return;
+      now = (now + 1) % frames.length;
+      await show();
+      setTimeout(next, now === frames.length - 1 ? 900 : 130);
+    };
+    next();
   }
 
   // ---- hands on ------------------------------------------------------------------------------------------------------
@@ -371,6 +375,7 @@
   });
   document.addEventListener("seek", (event) => {
     if (!choice.in_time) return;
+    play(false);
     const distance = frames.map((f) => Math.abs(f.time - event.detail));
     now = distance.indexOf(Math.min(...distance));
     show();

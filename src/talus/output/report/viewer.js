@@ -561,18 +561,17 @@
   }
   const step_to = (frame) => show(Math.max(0, Math.min(frames.length - 1, frame)));
 
-  let playing = null;
+  let playing = null;  // one object for each time it is played: what an earlier one began ends there
   function play(on) {
-    clearTimeout(playing);
-    playing = null;
+    const mine = playing = on ? {} : null;
     by_id("play").textContent = on ? "Pause" : "Play";
     if (!on) return;
     const next = async () => {
+      if (playing !== mine) return;
       await show((now + 1) % frames.length);
-      if (playing === null) return;
-      playing = setTimeout(next, now === frames.length - 1 ? 900 : 90);
+      setTimeout(next, now === frames.length - 1 ? 900 : 90);
     };
-    playing = setTimeout(next, 0);
+    next();
   }
 
   // ---- hands on ----------------------------------------------------------------------------------------------------
