@@ -38,7 +38,7 @@ def hold_vane_against_its_motion(points, time):
     assert len(x) > 100 and abs(outside.max(axis=1)).max() < 1e-5, abs(outside.max(axis=1)).max()
 
 
-def watch(page, button, times):
+def play_through(page, button, times):
     """Playing shows each instant after the one before, the first after the last; Pause holds, whenever it was pressed.
 
     The page itself notes what it shows: looks from outside, at their own rhythm, can miss the same instant each time.
@@ -169,7 +169,7 @@ def use(page):
     stage_box.send_keys(Keys.SPACE)
     wait(lambda: state()["frame"] >= 2)
     stage_box.send_keys(Keys.SPACE)
-    watch(page, element("play"), [entry["time"] for entry in series])
+    play_through(page, element("play"), [entry["time"] for entry in series])
 
     # A curve: what the legend says under the pointer is a row of the history; a click goes to its instant.
     rows = list(csv.DictReader(open(folder / "history.csv")))
@@ -261,7 +261,7 @@ def use_map(page):
         value = numbers[rows[i], columns[i]]
         wait(lambda: abs(page.execute_script(f"return window.talus_map.value_at({east}, {north})") - value) <= 0.0025 * value)
     wait(lambda: page.execute_script("return window.talus.state().ready"))  # it tells of its own first instant
-    watch(page, element("map_play"), [frame["time"] for frame in frames])
+    play_through(page, element("map_play"), [frame["time"] for frame in frames])
     element("map_play").click()
     page.execute_script("document.dispatchEvent(new CustomEvent('seek', {detail: 1.01}))")  # as a click on a curve does
     wait(lambda: element("map_play").text == "Play" and state()["frame"] == 1)

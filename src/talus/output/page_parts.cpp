@@ -11,6 +11,7 @@
 
 namespace talus::page_parts {
 
+TALUS_PART(player_js, TALUS_REPORT "/player.js")
 TALUS_PART(viewer_html, TALUS_REPORT "/viewer.html")
 TALUS_PART(viewer_js, TALUS_REPORT "/viewer.js")
 TALUS_PART(map_html, TALUS_REPORT "/map.html")

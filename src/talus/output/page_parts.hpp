@@ -6,6 +6,7 @@
 
 namespace talus::page_parts {
 
+std::string_view player_js();
 std::string_view viewer_html();
 std::string_view viewer_js();
 std::string_view map_html();

@@ -378,7 +378,7 @@ void write_report(const std::filesystem::path& folder, const Case& case_, const 
                   const std::vector<Picture>& pictures, const std::vector<Chart>& charts) {
   std::ostringstream head, tail;
   head << page_head(case_.title, std::string(page_parts::dygraph_css()) + std::string(page_parts::report_css()))
-       << page_parts::licences_html() << title_section(case_, run);
+       << page_parts::licences_html() << embedded_script(page_parts::player_js()) << title_section(case_, run);
   if (run.runout) head << maps_section(folder, case_, run, pictures);
   head << thalweg_section(run.thalweg) << gauges_section(run.gauges);
   head << "<h2>Particles</h2>\n";

@@ -342,29 +342,20 @@
       `east ${(at[0] + scene.origin[0]).toFixed(1)}, north ${(at[1] + scene.origin[1]).toFixed(1)} m (${scene.projection})`;
   }
   const in_time = () => { if (!choice.in_time) choice = choices.find((c) => c.id === "thickness"); };
-  let playing = null;  // one object for each time it is played: what an earlier one began ends there
-  function play(on) {
-    const mine = playing = on ? {} : null;
-    by_id("map_play").textContent = on ? "Pause" : "Play";
-    if (!on) return;
+  const player = window.talus_player(by_id("map_play"), async () => {
     in_time();
-    const next = async () => {
-      if (playing !== mine) return;
-      now = (now + 1) % frames.length;
-      await show();
-      setTimeout(next, now === frames.length - 1 ? 900 : 130);
-    };
-    next();
-  }
+    now = (now + 1) % frames.length;
+    await show();
+    return now === frames.length - 1 ? 900 : 130;
+  });
 
   // ---- hands on ------------------------------------------------------------------------------------------------------
 
   const on = (id, event, act) => by_id(id).addEventListener(event, act);
   choices.forEach((c, i) => { if (!c.in_time || frames.length) by_id("map_layer").add(new Option(`${c.name} [${c.unit}]`, i)); });
   by_id("map_instant").max = Math.max(0, frames.length - 1);
-  on("map_layer", "change", () => { choice = choices[by_id("map_layer").value]; if (!choice.in_time) play(false); show(); });
-  on("map_instant", "input", () => { play(false); in_time(); now = Number(by_id("map_instant").value); show(); });
-  on("map_play", "click", () => play(playing === null));
+  on("map_layer", "change", () => { choice = choices[by_id("map_layer").value]; if (!choice.in_time) player.stop(); show(); });
+  on("map_instant", "input", () => { player.stop(); in_time(); now = Number(by_id("map_instant").value); show(); });
   on("map_in", "click", () => zoom(1.6));
   on("map_out", "click", () => zoom(1 / 1.6));
   on("map_flow", "click", () => show_box(flow, 1.15));
@@ -375,7 +366,7 @@
   });
   document.addEventListener("seek", (event) => {
     if (!choice.in_time) return;
-    play(false);
+    player.stop();
     const distance = frames.map((f) => Math.abs(f.time - event.detail));
     now = distance.indexOf(Math.min(...distance));
     show();

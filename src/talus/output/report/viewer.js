@@ -561,18 +561,10 @@
   }
   const step_to = (frame) => show(Math.max(0, Math.min(frames.length - 1, frame)));
 
-  let playing = null;  // one object for each time it is played: what an earlier one began ends there
-  function play(on) {
-    const mine = playing = on ? {} : null;
-    by_id("play").textContent = on ? "Pause" : "Play";
-    if (!on) return;
-    const next = async () => {
-      if (playing !== mine) return;
-      await show((now + 1) % frames.length);
-      setTimeout(next, now === frames.length - 1 ? 900 : 90);
-    };
-    next();
-  }
+  const player = window.talus_player(by_id("play"), async () => {
+    await show((now + 1) % frames.length);
+    return now === frames.length - 1 ? 900 : 90;
+  });
 
   // ---- hands on ----------------------------------------------------------------------------------------------------
 
@@ -591,8 +583,7 @@
   on("log", "change", again);
   for (const id of ["low", "high"]) on(id, "change", () => { by_id("range").value = "own"; again(); by_id(id).reportValidity(); });
   on("map", "change", () => { set_map(); draw(); });
-  on("instant", "input", () => { play(false); show(Number(by_id("instant").value)); });
-  on("play", "click", () => play(playing === null));
+  on("instant", "input", () => { player.stop(); show(Number(by_id("instant").value)); });
   on("size", "input", draw);
   on("clip_axis", "change", () => {  // what is kept lies behind the cut, as seen from here
     const axis = by_id("clip_axis").value;
@@ -623,14 +614,14 @@
   });
   stage.addEventListener("keydown", (event) => {
     const act = {ArrowRight: () => step_to(now + 1), ArrowLeft: () => step_to(now - 1), Home: () => step_to(0),
-                 End: () => step_to(frames.length - 1), " ": () => play(playing === null)}[event.key];
+                 End: () => step_to(frames.length - 1), " ": player.press}[event.key];
     if (!act) return;
     event.preventDefault();
-    if (event.key !== " ") play(false);
+    if (event.key !== " ") player.stop();
     act();
   });
   document.addEventListener("seek", (event) => {
-    play(false);
+    player.stop();
     const distance = frames.map((f) => Math.abs(f.time - event.detail));
     show(distance.indexOf(Math.min(...distance)));
   });
