@@ -140,11 +140,11 @@ TEST(SubGridVelocity, TakesFromSmoothFlowWhatTheFilterIsBuiltToTake) {
   // Given to the nodes by quadratic splines and taken back, a wave is blurred twice by a kernel of variance m2 = h^2/4: 1 -
   // P = (kh)^2/4. A node's affine fit to it has the mean s = sin(kh/2)^3/(kh/2)^3 and the slope s'/m2, so blending gives F =
   // s^2 + s'^2/m2 = 1 - (m4 - m2^2)/4 k^4, with m4 = 0.1625 h^4: 1 - F = (kh)^4/40. The amplitude decays at these rates over
-  // tau, energy at twice them. kh = 2 pi/16; the next terms of the series are a tenth. affine_tau filters eight times per tau,
-  // each time the share 1 - e^(-1/8), which adds up to 0.94.
+  // tau, energy at twice them. kh = 2 pi/16; the next terms of the series are a tenth. affine_tau filters six times per tau,
+  // each time the share 1 - e^(-1/6), which adds up to 0.92.
   const double kh = 2 * std::numbers::pi / 16, blurred = kh * kh / 4, bent = std::pow(kh, 4) / 40;
   EXPECT_NEAR(lost_in_tau(Transfer::flip_tau, 0.1), 2 * blurred, 0.1 * 2 * blurred);
-  const double filtered = 8 * -std::expm1(-1.0 / 8);
+  const double filtered = 6 * -std::expm1(-1.0 / 6);
   EXPECT_NEAR(lost_in_tau(Transfer::affine_tau, 0.1), 2 * filtered * bent, 0.1 * 2 * bent);
 }
 
@@ -167,8 +167,8 @@ TEST(SubGridVelocity, DecaysWithTauWhereTheGridHoldsNoneOfIt) {
                             {}, numerics, *loop);
     const double start = s->ledger().kinetic;
     while (s->ledger().time < tau) s->step();
-    // Within the eighth of tau that passes between two filters and the step in which it ends, twice for energy.
-    EXPECT_NEAR(std::log(s->ledger().kinetic / start), -2 * s->ledger().time / tau, 2.0 / 8 + 2 * s->ledger().dt / tau)
+    // Within the sixth of tau that passes between two filters and the step in which it ends, twice for energy.
+    EXPECT_NEAR(std::log(s->ledger().kinetic / start), -2 * s->ledger().time / tau, 2.0 / 6 + 2 * s->ledger().dt / tau)
         << word_of(transfer);
   }
 }

@@ -126,11 +126,11 @@ TEST(Step, PutsNothingInOrderWhereNodesGoFarButNoParticleDoes) {
   EXPECT_NEAR(s.ledger().kinetic, 0, 1e-25);
 }
 
-TEST(Step, FiltersVelocitiesEightTimesInTau) {
-  // tau = 2 s in steps of 1/8 s: two steps make a quarter of a second, so every third step begins with a filter.
+TEST(Step, FiltersVelocitiesSixTimesInTau) {
+  // tau = 1.5 s in steps of 1/8 s: two steps make a quarter of a second, so every third step begins with a filter.
   OneParticle run(1.0 / 8);
   run.numerics.transfer = Transfer::affine_tau;
-  run.numerics.tau = 2;
+  run.numerics.tau = 1.5;
   Simulation& s = run.start();
   for (const double unfiltered : {1, 2, 1, 2, 1}) {
     s.step();
@@ -143,7 +143,7 @@ TEST(Step, CanBeLookedAtBeforeAFilterAsAtAnyOtherTime) {
   // follows the second step and the fourth: until then nodes need no momentum, but whoever looks does.
   OneParticle run(1.0 / 8);
   run.numerics.transfer = Transfer::affine_tau;
-  run.numerics.tau = 2;
+  run.numerics.tau = 1.5;
   run.velocity = {0.1, 0};
   run.pressure = 5;
   Simulation& s = run.start();

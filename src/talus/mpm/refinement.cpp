@@ -171,17 +171,6 @@ void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S) {
   }
 }
 
-SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest) {
-  Tensor<double> F;
-  for (int a = 0; a < 3; ++a)
-    for (int b = 0; b < 3; ++b) {
-      const double LL = L[a][0] * L[0][b] + L[a][1] * L[1][b] + L[a][2] * L[2][b];
-      F[a][b] = (a == b ? 1 : 0) + time * L[a][b] + 0.5 * time * time * LL;
-    }
-  const SymTensor<double> longer = transformed(F, S);
-  return std::min(1.0, longest * longest / trace(longer)) * longer;
-}
-
 SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v) { return compressed(S, (1 / length(v)) * v, 0); }
 
 template <int Dim>

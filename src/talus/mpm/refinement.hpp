@@ -64,7 +64,17 @@ void set_extent(Particles<Dim>& p, int i, const SymTensor<double>& S);
 /// S after motion with the velocity gradient L [1/s] for a time T [s], F = 1 + T L + (T L)^2/2: a rotation by 0.1 keeps
 /// the edges to 1e-5. A box longer than `longest` [m] is scaled down to
 /// it: its material is mixed with other material.
-SymTensor<double> stretched(const SymTensor<double>& S, const Tensor<double>& L, double time, double longest);
+template <class R>
+SymTensor<R> stretched(const SymTensor<R>& S, const Tensor<R>& L, double time, double longest) {
+  Tensor<R> F;
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) {
+      const R LL = L[a][0] * L[0][b] + L[a][1] * L[1][b] + L[a][2] * L[2][b];
+      F[a][b] = R(a == b ? 1.0 : 0.0) + R(time) * L[a][b] + R(0.5 * time * time) * LL;
+    }
+  const SymTensor<R> longer = transformed(F, S);
+  return min(R(1.0), R(longest * longest) / trace(longer)) * longer;
+}
 
 /// S of the projection of a box on the plane normal to its velocity v [m/s], which is not 0.
 SymTensor<double> across(const SymTensor<double>& S, const Vec<3>& v);

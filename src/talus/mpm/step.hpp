@@ -290,8 +290,8 @@ class Stepper final : public Simulation {
   static constexpr double reach_of_windows = 0.5;
   /// Particles go half a cell at most before they are looked at again.
   static constexpr double rearranged_per_refinement = 4;
-  /// From 4 to 24 fronts do not depend on it, beyond their scatter (docs/numerics.md, Transfers).
-  static constexpr double filters_per_tau = 8;
+  /// From 1 to 24 fronts do not depend on it, beyond their scatter; with four, rest is less calm (docs/numerics.md, Transfers).
+  static constexpr double filters_per_tau = 6;
 
   Model<Dim, Shape> model_;
   VelocityFilter<Dim, Shape> filter_;

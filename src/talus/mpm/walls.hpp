@@ -71,7 +71,8 @@ class Walls {
     });
   }
   /// Sets numbers at images to those of their originals.
-  void extend_evenly(Backend& backend, double* nodal) const {
+  template <class Node>
+  void extend_evenly(Backend& backend, Node* nodal) const {
     for_each_mirror([&](const Mirror& m, const Held& held) {
       on(backend, held.images, [&](int t) { talus::extend_evenly(tiles_, t, m, nodal); });
     });

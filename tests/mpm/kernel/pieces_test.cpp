@@ -98,6 +98,30 @@ TYPED_TEST(Pieces, MoveParticlesAsWeightsDo) {
   });
 }
 
+TYPED_TEST(Pieces, MoveParticlesApartAsWeightsDo) {
+  constexpr int Dim = TypeParam::dim;
+  for_tiles<TypeParam>([](auto& tile) {
+    std::vector<Crowding> nodes;
+    for (std::size_t i = 0; i < tile.velocity.size(); ++i) nodes.push_back(node_of<Crowding>(tile.numbers()));
+    Crowding window[TileLayout<Dim, Quadratic>::n_window];
+    fill_window<Dim, Quadratic>(tile.tiles[0], nodes.data(), window);
+    auto& p = tile.bodies[0].particles;
+    const auto shifted = [&](const auto& crowding) {
+      std::vector<double> start, ends;
+      for (int a = 0; a < Dim; ++a) start.insert(start.end(), p.position(a), p.position(a) + p.size());
+      const auto limit = [](const Vec<3>&, const Vec<3>& shift) { return 0.9 * shift; };
+      shift_particles(tile.points(), tile.domain, crowding, 0.01, limit, tile.s);
+      for (int a = 0; a < Dim; ++a)
+        for (int i = 0; i < p.size(); ++i)
+          ends.push_back(std::exchange(p.position(a)[i], start[std::size_t(a * p.size() + i)]));
+      for (int i = 0; i < p.size(); ++i) ends.push_back(std::exchange(tile.s.filling[i], rubbish));
+      EXPECT_NE(ends[0], start[0]);
+      return ends;
+    };
+    expect_near(shifted(SplinePieces<Dim>(tile.tiles[0], nodes.data())), shifted(&window[0]));
+  });
+}
+
 /// Sets the velocity of all nodes to f(node), which is counted in the whole grid.
 template <int Dim, class F>
 void set_nodes(RandomTile<Dim, Quadratic>& tile, F f) {

@@ -64,6 +64,21 @@ TYPED_TEST(Runs, MomentsOfTheFilterAtNodesAreThoseOfSingleParticles) {
   });
 }
 
+TYPED_TEST(Runs, VolumesAtNodesAreThoseOfSingleParticles) {
+  constexpr int Dim = TypeParam::dim;
+  using Shape = typename TypeParam::shape;
+  for_tiles<TypeParam>([](auto& tile) {
+    constexpr int n = TileLayout<Dim, Shape>::n_window;
+    double expected[n], found[n];
+    for (int i = 0; i < n; ++i) expected[i] = found[i] = tile.number();
+    for (int i = 0; i < tile.points().size(); ++i) tile.s.volume[i] = tile.number(0, 1);
+    // Masses are 1 to 2, so some would take more than their most room.
+    add_volumes(tile.points(), tile.domain, 0.5, tile.s, expected);
+    add_volumes_in_runs(tile.points(), tile.domain, 0.5, tile.s, found);
+    for (int i = 0; i < n; ++i) EXPECT_NEAR(found[i], expected[i], 1e-13) << i;
+  });
+}
+
 TYPED_TEST(Runs, EightParticlesWithoutStressAreLeftOut) {
   constexpr int Dim = TypeParam::dim;
   using Shape = typename TypeParam::shape;

@@ -27,9 +27,10 @@ double excess(double own, double around) {
   WindowOf<2, Quadratic, double> filling(0);
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) filling.at({i, j}) = i == 1 && j == 1 ? own : around;
-  NodesOfTile<2, double> found(rubbish);
+  NodesOfTile<2, Crowding> found(node<Crowding>(rubbish, rubbish, rubbish, rubbish));
   find_excess<2, Quadratic>(filling.data(), found.data());
-  return found.at({1, 1});
+  EXPECT_EQ(found.at({1, 1}).filling, own);
+  return found.at({1, 1}).excess;
 }
 
 TEST(ShiftKernel, ANodeIsTooFullByWhatIsBeyondOne) {
@@ -51,11 +52,12 @@ TEST(ShiftKernel, AParticleMovesDownTheSlopeATenthOfACellAtMost) {
   // x -= 0.2 slope, in cells, with a shifting length of a cell; h = 1/2
   Domain<2> domain = unit_cells<2>(8);
   domain.h = 0.5;
-  const double gentle[2] = {0.1, -0.2}, steep[2] = {3, -3};
-  const Vec<3> a = shift_of(domain, {2, 2, 0}, gentle, 0.5), b = shift_of(domain, {2, 2, 0}, steep, 0.5);
-  EXPECT_NEAR(a[0], -0.01, 1e-16);
-  EXPECT_NEAR(a[1], 0.02, 1e-16);
-  EXPECT_EQ(b, (Vec<3>{-0.05, 0.05, 0}));
+  const auto shift = [&](double slope) { return shift_along(domain, 1, 2.0, slope, 0.5); };
+  EXPECT_NEAR(shift(0.1), -0.01, 1e-16);
+  EXPECT_NEAR(shift(-0.2), 0.02, 1e-16);
+  EXPECT_EQ(shift(3), -0.05);
+  EXPECT_EQ(shift(-3), 0.05);
+  EXPECT_TRUE(std::isnan(shift(std::nan("")))) << "and is found";
 }
 
 TEST(ShiftKernel, ALengthSpreadsTheSameExcessAsFastOnAllCells) {
@@ -64,31 +66,33 @@ TEST(ShiftKernel, ALengthSpreadsTheSameExcessAsFastOnAllCells) {
   Domain<2> coarse = unit_cells<2>(8), fine = unit_cells<2>(8);
   coarse.h = 0.5;
   fine.h = 0.25;
-  const double of_coarse[2] = {0.04 * coarse.h, 0}, of_fine[2] = {0.04 * fine.h, 0};
-  EXPECT_NEAR(shift_of(coarse, {2, 2, 0}, of_coarse, 0.5)[0], -0.002, 1e-16);
-  EXPECT_NEAR(shift_of(fine, {1, 1, 0}, of_fine, 0.5)[0], -0.001, 1e-16);
+  EXPECT_NEAR(shift_along(coarse, 0, 2.0, 0.04 * coarse.h, 0.5), -0.002, 1e-16);
+  EXPECT_NEAR(shift_along(fine, 0, 1.0, 0.04 * fine.h, 0.5), -0.001, 1e-16);
 }
 
 TEST(ShiftKernel, AParticleGoesHalfTheWayToAWallAtMost) {
   Domain<2> domain = unit_cells<2>(8, WallKind::slip);
-  const double steep[2] = {3, -3};
-  const Vec<3> s = shift_of(domain, {0.06, 7.9, 0}, steep, 1);
-  EXPECT_NEAR(s[0], -0.03, 1e-15);
-  EXPECT_NEAR(s[1], 0.05, 1e-15);
+  EXPECT_NEAR(shift_along(domain, 0, 0.06, 3.0, 1), -0.03, 1e-15);
+  EXPECT_NEAR(shift_along(domain, 1, 7.9, -3.0, 1), 0.05, 1e-15);
   domain.walls[0] = WallKind::open;
-  EXPECT_NEAR(shift_of(domain, {0.06, 4, 0}, steep, 1)[0], -0.1, 1e-15) << "there is no wall";
+  EXPECT_NEAR(shift_along(domain, 0, 0.06, 3.0, 1), -0.1, 1e-15) << "there is no wall";
 }
 
 TEST(ShiftKernel, ParticlesAreShiftedAsFarAsTheyMayBe) {
-  // The excess rises by 0.1 a cell along x: -0.02 cells; the limit lets half of it be.
-  WindowOf<2, Quadratic, double> excess_of(0);
-  excess_of.for_each([](const Index<2>& at, double& e) { e = 0.1 * at[0]; });
+  // The excess rises by 0.1 a cell along x: -0.02 cells; the limit lets half of it be. The filling falls by 0.1 a cell along y.
+  WindowOf<2, Quadratic, Crowding> crowding({});
+  crowding.for_each([](const Index<2>& at, Crowding& c) { c = node<Crowding>(1 - 0.1 * at[1], 0.1 * at[0], 0, 0); });
   auto p = particles_at<2>({{1.3, 2.1}, {2.2, 3.3}});
-  shift_particles(all_in_one_tile<Quadratic>(p), unit_cells<2>(8), excess_of.data(), 1,
-                  [](const Vec<3>&, const Vec<3>& shift) { return 0.5 * shift; });
+  Scratch scratch;
+  const ScratchView s = scratch.view(2);
+  shift_particles(
+      all_in_one_tile<Quadratic>(p), unit_cells<2>(8), crowding.data(), 1,
+      [](const Vec<3>&, const Vec<3>& shift) { return 0.5 * shift; }, s);
   EXPECT_NEAR(p.position(0)[0], 1.29, 1e-14);
   EXPECT_NEAR(p.position(0)[1], 2.19, 1e-14);
   EXPECT_NEAR(p.position(1)[0], 2.1, 1e-14);
+  EXPECT_NEAR(s.filling[0], 0.79, 1e-14);
+  EXPECT_NEAR(s.filling[1], 0.67, 1e-14);
 }
 
 }  // namespace talus::kernel_shift_test

@@ -12,7 +12,7 @@ void add_step_kernels(Kernels& kernels) {
   add<MassAndMomentum<M>, AffineMomentum<M, true>, AffineMomentum<M, false>, SumsOverWindows<M>, Gradients<M>,
       Forces<M, false>, Loads<M>, PowerOfLoads<M>, Motions<M, Advance::both>, Motions<M, Advance::velocities>,
       Motions<M, Advance::places>, AffineMotion<M, true>, AffineMotion<M, false>, SumsOverParticles<M>,
-      FilteredVelocities<M>, Volumes<M>, Fillings<M>, Shifts<M>>(kernels);
+      FilteredVelocities<M>, Volumes<M>, Excesses<M>, Shifts<M>>(kernels);
   if constexpr (Dim == 2) add<Forces<M, true>>(kernels);
   [&]<int... octets>(std::integer_sequence<int, octets...>) { add<FilterMomentsOctet<M, octets>...>(kernels); }
   (std::make_integer_sequence<int, FilterMoments<Dim>::n_octets>());

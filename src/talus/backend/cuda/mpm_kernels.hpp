@@ -35,7 +35,8 @@ struct TilesOnDevice {
   FilterMoments<Dim>* moments;
   FilterFit<Dim>* fits;
   EightMoments* moment_windows;
-  double *volume_windows, *filling, *excess;
+  double *volume_windows, *filling;
+  Crowding* crowding;
   const ContactsView* contacts;
   TileSums* sums;
 
@@ -106,6 +107,7 @@ struct WallsExtend {
   TALUS_HD void operator()(int t) const {
     extend_to_images(m.tiles, t, m.walls.mirrors[mirror], m.velocity);
     extend_evenly(m.tiles, t, m.walls.mirrors[mirror], m.filling);
+    extend_evenly(m.tiles, t, m.walls.mirrors[mirror], m.crowding);
   }
 };
 template <class M>
@@ -258,12 +260,12 @@ struct Volumes {
   }
 };
 template <class M>
-struct Fillings {
+struct Excesses {
   M m;
   TALUS_HD void operator()(int t) const {
     double filling[M::Layout::n_window];
     fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.filling, filling);
-    find_filling(m.points(t), m.domain, filling, m.scratch[t]);
+    find_excess<M::Dim, typename M::Shape>(filling, m.nodes_of(m.crowding, t));
   }
 };
 template <class M, class Law>
@@ -278,11 +280,10 @@ template <class M>
 struct Shifts {
   M m;
   TALUS_HD void operator()(int t) const {
-    double filling[M::Layout::n_window];
-    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.filling, filling);
-    find_excess<M::Dim, typename M::Shape>(filling, m.nodes_of(m.excess, t));
-    shift_particles(m.points(t), m.domain, filling, m.domain.h,
-                    [](const Vec<3>&, const Vec<3>& shift) { return shift; });
+    Crowding crowding[M::Layout::n_window];
+    fill_window<M::Dim, typename M::Shape>(m.tiles[t], m.crowding, crowding);
+    const auto freely = [](const Vec<3>&, const Vec<3>& shift) { return shift; };
+    shift_particles(m.points(t), m.domain, crowding, m.domain.h, freely, m.scratch[t]);
   }
 };
 

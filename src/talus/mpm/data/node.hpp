@@ -32,6 +32,13 @@ struct alignas(32) Acceleration {
   double zero;          ///< not used
 };
 
+/// How full a node is.
+struct alignas(32) Crowding {
+  double filling;  ///< volume of the particles around it over the room there
+  double excess;   ///< by how much it is too full
+  double zero[2];  ///< not used
+};
+
 /// Quantities that particles interpolate when they move.
 struct alignas(64) NodeMotion {
   MassVelocity new_velocity;

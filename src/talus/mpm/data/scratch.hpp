@@ -16,14 +16,16 @@ struct ScratchView {
   double *share, *p, *volume;      ///< of the particles: what compression counts in a mean, its pressure, volume
   double *mean_share, *mean_p;     ///< of the particle's cell
   double *mean_per_p, *mean_rate;  ///< of the particle's cell: compression over the mean pressure it causes, tr L
-  double* filling;                 ///< of the nodes around the particle, see `find_filling`
+  double* filling;                 ///< of the nodes around the particle, see `shift_four`
   int* cell;                       ///< number of the particle's cell in its tile
   double* velocity[3] = {};        ///< of the nodes, interpolated [m/s]; elsewhere, or null
 
-  TALUS_HD Tensor<double> gradient_of(int i) const {
-    Tensor<double> L;
+  /// Of the particle, or particles from i on.
+  template <class R = double>
+  TALUS_HD Tensor<R> gradient_of(int i) const {
+    Tensor<R> L;
     for (int a = 0; a < 3; ++a)
-      for (int b = 0; b < 3; ++b) L[a][b] = gradient[a][b][i];
+      for (int b = 0; b < 3; ++b) L[a][b] = load<R>(&gradient[a][b][i]);
     return L;
   }
 };

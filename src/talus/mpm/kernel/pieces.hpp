@@ -10,6 +10,7 @@
 
 #include "talus/mpm/kernel/advance.hpp"
 #include "talus/mpm/kernel/gradient.hpp"
+#include "talus/mpm/kernel/shift.hpp"
 
 namespace talus {
 
@@ -162,6 +163,19 @@ TALUS_FLATTEN double advance(const TilePoints<Dim, Quadratic>& points, const Dom
     fastest2 = max(fastest2, speed2);
   });
   return largest_of(fastest2);
+}
+
+/// Moves particles apart; see shift.hpp.
+template <int Dim, class Limit>
+TALUS_FLATTEN void shift_particles(const TilePoints<Dim, Quadratic>& points, const Domain<Dim>& domain,
+                                   const SplinePieces<Dim>& crowding, double length, Limit limit,
+                                   const ScratchView& s) {
+  detail::for_each_four<true>(points, domain, [&](int i, int count, const auto& batch, int p) {
+    Quad columns[Dim][4], values[4];
+    const auto find = [&](int lane, Quad(&of_one)[Dim]) { return batch.gradient(crowding, p + lane, of_one); };
+    gradients_of_four(find, columns, values);
+    shift_four(points, domain, i, count, columns, values, length, limit, s);
+  });
 }
 
 }  // namespace talus

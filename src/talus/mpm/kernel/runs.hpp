@@ -15,6 +15,7 @@
 #include "talus/mpm/kernel/filter.hpp"
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/mass_and_momentum.hpp"
+#include "talus/mpm/kernel/shift.hpp"
 
 namespace talus {
 
@@ -246,6 +247,48 @@ TALUS_FLATTEN void add_mass_and_momentum_in_runs(const TilePoints<Dim, Shape>& p
       batch.put_momentum(points.particles, points.range.begin + begin + k, some, k);
     }
     add_fours(batch, count, window);
+  }
+}
+
+/// Volumes; see shift.hpp. The three nodes of a line are three lanes.
+template <int Dim, class Shape>
+TALUS_FLATTEN void add_volumes_in_runs(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain,
+                                       double most_room, const ScratchView& s, double* window) {
+  using namespace detail;
+  using Batch = Batch<Dim, Shape, false, 1>;
+  Batch batch;
+  for (int begin = 0; begin < points.size(); begin += batch.most) {
+    const int count = std::min(points.size() - begin, batch.most);
+    for (int k = 0; k < count; k += 8) {
+      const int some = std::min(count - k, 8);
+      const auto w = batch.find_weights(points, domain, begin + k, some, k);
+      const Octet mass = load<Octet>(points.particles.mass() + points.range.begin + begin + k, some);
+      const Octet volume = min(load<Octet>(s.volume + begin + k), Octet(most_room) * mass);
+      const auto& N = w.along[0].N;
+      batch.put(0, {volume * N[0], volume * N[1], volume * N[2], Octet(0.0)}, k);
+    }
+    for (int run = 0, end = 0; run < count; run = end) {
+      while (end < count && batch.node(end) == batch.node(run)) ++end;
+      LayerSums lines;  // by parts along the third axis, in the plane that of all nodes, and the second one
+      for (auto& layer : lines.of)
+        for (Quad& line : layer) line = Quad(0.0);
+      for (int p = run; p < end; ++p)
+        for (const Part layer : {first_node, last_node, all_nodes}) {
+          if (Dim == 2 && layer != all_nodes) continue;
+          const Quad value = layer == all_nodes ? batch.four(0, p) : batch.weight(2, layer, p) * batch.four(0, p);
+          for (const Part part : {first_node, last_node})
+            lines.of[layer][part] = multiply_add(batch.weight(1, part, p), value, lines.of[layer][part]);
+          lines.of[layer][all_nodes] += value;
+        }
+      lines.divide_up();
+      constexpr int line = Batch::edge, plane = line * line;
+      double* const nodes = window + batch.node(run);
+      for (int k = 0; k < (Dim == 3 ? 3 : 1); ++k) {
+        const auto& layer = lines.of[Dim == 3 ? k : 1];  // nothing of the plane is in an outer one
+        for (int j = 0; j < 3; ++j)
+          for (int i = 0; i < 3; ++i) nodes[i + line * j + plane * k] += layer[j][i];
+      }
+    }
   }
 }
 

@@ -7,8 +7,7 @@
 /// loses volume: 20 % in a tall column. Particles are shifted whenever they may have moved a tenth of a cell, so a flow of
 /// speed v spreads an excess by 2 l v in unit time: the same length l corrects the same on all cells.
 
-#include "talus/mpm/data/scratch.hpp"
-#include "talus/mpm/kernel/transfer.hpp"
+#include "talus/mpm/kernel/gradient.hpp"
 
 namespace talus {
 
@@ -28,24 +27,11 @@ TALUS_HD void add_volumes(const TilePoints<Dim, Shape>& points, const Domain<Dim
   }
 }
 
-/// Filling of the nodes around particles, sum N_I filling_I: 1 inside material, a half or less at its surface; into the row
-/// `filling` of the scratch.
+/// Filling of the nodes of a tile, from its window, and excess. Inside the material this may be negative; at a surface it is not.
+/// Inside means that the mean filling of a node and its neighbours is at least that of a cell below a flat surface, (1/2 +
+/// 47/48 + 1)/3 with quadratic splines; 1/48 may be missing there.
 template <int Dim, class Shape>
-TALUS_HD void find_filling(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* filling,
-                           const ScratchView& s) {
-  for (int i = 0; i < points.size(); i += 4) {
-    const int count = points.count(i);
-    const auto w = weights_of(points, domain, i, count);
-    for (int lane = 0; lane < count; ++lane)
-      s.filling[i + lane] = interpolate(ParticleWeights<Dim, Shape>{w, lane}, filling);
-  }
-}
-
-/// Excess filling of the nodes of a tile. Inside the material it may be negative; at a surface it is not. Inside means
-/// that the mean filling of a node and its neighbours is at least that of a cell below a flat surface, (1/2 + 47/48 +
-/// 1)/3 with quadratic splines; 1/48 may be missing there.
-template <int Dim, class Shape>
-TALUS_HD void find_excess(const double* filling, double* excess) {
+TALUS_HD void find_excess(const double* filling, Crowding* nodes) {
   using Layout = TileLayout<Dim, Shape>;
   static_assert(tile_edge == Quad::width);
   constexpr double below_surface = 1.0 / 48, inside = 119.0 / 144;
@@ -58,53 +44,72 @@ TALUS_HD void find_excess(const double* filling, double* excess) {
     for (int n = 0; n < n_neighbours<Dim>; ++n) around += load<Quad>(at + Layout::window(offset_of<Dim>(n)));
     const Quad beyond = load<Quad>(at) - Quad(1.0);
     const auto is_inside = around >= Quad(inside * n_neighbours<Dim>);
-    store(excess + i, max(beyond, zero) + select(is_inside, min(beyond + Quad(below_surface), zero), zero));
+    const Quad excess = max(beyond, zero) + select(is_inside, min(beyond + Quad(below_surface), zero), zero);
+    Quad numbers[4] = {load<Quad>(at), excess, zero, zero};
+    transpose(numbers);
+    for (int k = 0; k < tile_edge; ++k) store_node(nodes[i + k], numbers[k]);
   }
 }
 
-/// How far a particle at x may be shifted towards a side of the domain, in cells: along an axis a tenth, as windows
-/// reach farther; half the way to a wall at most. Splines are symmetric at walls and lead no particle through; hat
-/// functions are not.
-template <int Dim>
-TALUS_HD double room_towards(const Domain<Dim>& domain, int side, double x) {
-  constexpr double largest_shift = 0.1;
+/// How far particles at x may be shifted along an axis towards a side of the domain, in cells: a tenth, as windows reach
+/// farther; half the way to a wall at most. Splines are symmetric at walls and lead no particle through; hat functions
+/// are not.
+template <int Dim, class R>
+TALUS_HD R room_towards(const Domain<Dim>& domain, int side, R x) {
+  const R largest_shift(0.1);
   if (is_passable(domain.walls[side].kind)) return largest_shift;
   const int axis = side / 2, wall = side % 2 == 0 ? 0 : domain.n_cells[axis];
-  return min(largest_shift, 0.5 * abs((x - domain.origin[axis]) / domain.h - wall));
+  return min(R(0.5) * abs((x - R(domain.origin[axis])) / R(domain.h) - R(wall)), largest_shift);
 }
 
-/// The shift of a particle at x with a gradient of the excess [m], in units of 1/cell, with a shifting length [m]. Of the
-/// finest pattern that nodes see, two cells long, a shift takes a quarter with a length of a cell, all with four; this
+/// The shift along an axis of particles at x with a slope of the excess [m], in units of 1/cell, with a shifting length [m]. Of
+/// the finest pattern that nodes see, two cells long, a shift takes a quarter with a length of a cell, all with four; this
 /// diffusion would be unstable beyond 1.5 cells^2.
-template <int Dim>
-TALUS_HD Vec<3> shift_of(const Domain<Dim>& domain, const Vec<3>& x, const double (&slope)[Dim], double length) {
-  const double diffusivity = 0.2 * (length / domain.h);
-  Vec<3> shift{};
-  for (int a = 0; a < Dim; ++a) {
-    const double freely = -diffusivity * slope[a];
-    const double low = -room_towards(domain, 2 * a, x[a]), high = room_towards(domain, 2 * a + 1, x[a]);
-    shift[a] = domain.h * (freely < low ? low : high < freely ? high : freely);
-  }
-  return shift;
+template <int Dim, class R>
+TALUS_HD R shift_along(const Domain<Dim>& domain, int axis, R x, R slope, double length) {
+  const R freely = R(-0.2 * (length / domain.h)) * slope;
+  const R low = -room_towards(domain, 2 * axis, x), high = room_towards(domain, 2 * axis + 1, x);
+  return R(domain.h) * max(min(freely, high), low);
 }
 
-/// Moves a tile's particles down the gradient of the excess of its window's nodes, with a shifting length [m].
-/// `limit(x, shift)` returns what may be left of a shift.
+/// Moves `count` particles, at most four, from number i of the tile on, down the gradient of the excess, with a shifting length
+/// [m]; `columns` and `values` of `Crowding` as `gradients_of_four` finds them. Writes the filling of the nodes around them, sum N_I
+/// filling_I, into the row `filling` of the scratch: 1 inside material, a half or less at its surface. `limit(x, shift)`
+/// returns what may be left of the shift of one.
 template <int Dim, class Shape, class Limit>
-TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const double* excess,
-                              double length, Limit limit) {
+TALUS_HD void shift_four(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, int i, int count,
+                         const Quad (&columns)[Dim][4], const Quad (&values)[4], double length, Limit limit,
+                         const ScratchView& s) {
   const ParticlesView<Dim>& p = points.particles;
-  for (int i = 0; i < points.size(); i += 4) {
-    const int first = points.range.begin + i, count = points.count(i);
-    const auto w = weights_of(points, domain, i, count);
-    for (int lane = 0; lane < count; ++lane) {
-      double slope[Dim];
-      gradient(ParticleWeights<Dim, Shape>{w, lane}, excess, slope);
-      Vec<3> x{};
-      for (int a = 0; a < Dim; ++a) x[a] = p.position(a)[first + lane];
-      const Vec<3> shift = limit(x, shift_of(domain, x, slope, length));
-      for (int a = 0; a < Dim; ++a) p.position(a)[first + lane] = x[a] + shift[a];
+  const int first = points.range.begin + i;
+  store(s.filling + i, values[0]);
+  const FourPlaces<Dim> x = p.places(first, count);
+  Quad shift[Dim];
+  for (int a = 0; a < Dim; ++a) shift[a] = shift_along(domain, a, x[a], columns[a][1], length);
+  for (int lane = 0; lane < count; ++lane) {
+    Vec<3> from{}, by{};
+    for (int a = 0; a < Dim; ++a) {
+      from[a] = x[a][lane];
+      by[a] = shift[a][lane];
     }
+    by = limit(from, by);
+    for (int a = 0; a < Dim; ++a) p.position(a)[first + lane] = from[a] + by[a];
+  }
+}
+
+/// The same for all of a tile's particles. `crowding`: of the nodes of its window.
+template <int Dim, class Shape, class Limit>
+TALUS_HD void shift_particles(const TilePoints<Dim, Shape>& points, const Domain<Dim>& domain, const Crowding* crowding,
+                              double length, Limit limit, const ScratchView& s) {
+  for (int i = 0; i < points.size(); i += 4) {
+    const int count = points.count(i);
+    const auto w = weights_of(points, domain, i, count);
+    Quad columns[Dim][4], values[4];
+    const auto find = [&](int lane, Quad(&of_one)[Dim]) {
+      return gradient(ParticleWeights<Dim, Shape>{w, lane}, crowding, of_one);
+    };
+    gradients_of_four(find, columns, values);
+    shift_four(points, domain, i, count, columns, values, length, limit, s);
   }
 }
 

@@ -278,6 +278,8 @@ TALUS_HD void begin_step(const TileInStep<Law, Dim>& step, const PackPlace& at, 
   const R dt(how.dt);
   const auto& [i, first, count] = pack.at = at;
   auto& state = pack.state;
+  // A pack takes more instructions than a processor looks ahead, so it would begin to load the next one after this one.
+  particles.fetch(ParticleField::state, ParticleField::velocity_moment, first + 2 * width_of<R>);
   state = load_states<R, typename Law::template State<R>>(particles, first, count);
   R reference_volume = load<R>(particles.reference_volume() + first, count);
   if constexpr (width_of < R >> 1)

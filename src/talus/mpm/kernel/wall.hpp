@@ -294,8 +294,8 @@ TALUS_HD void extend_to_images(const Tile<Dim>* tiles, int t, const Mirror& m, N
 }
 
 /// Sets the numbers of a tile's images to those of their originals.
-template <int Dim>
-TALUS_HD void extend_evenly(const Tile<Dim>* tiles, int t, const Mirror& m, double* nodal) {
+template <int Dim, class Node>
+TALUS_HD void extend_evenly(const Tile<Dim>* tiles, int t, const Mirror& m, Node* nodal) {
   constexpr int n = power(tile_edge, Dim);
   for_each_partner(tiles[t], m.axis, m.image, m.original, [&](int own, int other, int theirs) {
     nodal[std::size_t(t) * n + own] = nodal[std::size_t(other) * n + theirs];

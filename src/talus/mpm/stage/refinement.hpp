@@ -25,15 +25,18 @@ class ParticleRefinement {
   void stretch(Model<Dim, Shape>& m, double time) {
     m.backend.for_each(m.all_tiles, [&](int t, int worker) {
       if (!m.has_particles(t) || m.is_left_out(t)) return;
-      const auto velocity = m.window_of(t, m.grid.velocity);
+      const Interpolated<Dim, Shape, MassVelocity> velocity(m.grid.tile(t), m.grid.velocity.data());
       m.for_each_body(t, [&](auto& body, const auto& points) {
         if (!body.particles.memory().extent) return;
         const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
         find_gradients(points, m.domain, velocity, s);
-        for (int i = 0; i < points.size(); ++i) {
-          const int row = points.range.begin + i;
-          set_extent(body.particles, row,
-                     stretched(extent_of(body.particles, row), s.gradient_of(i), time, longest * m.domain.h));
+        for (int i = 0; i < points.size(); i += Pack::width) {
+          const int first = points.range.begin + i, count = points.count(i, Pack::width);
+          auto S = SymTensor<Pack>::zero();
+          for (int lane = 0; lane < count; ++lane) set_lane(S, lane, extent_of(body.particles, first + lane));
+          S = stretched(S, s.template gradient_of<Pack>(i), time, longest * m.domain.h);
+          for (int lane = 0; lane < count; ++lane)
+            set_extent(body.particles, first + lane, lane_of<SymTensor<double>>(S, lane));
         }
       });
     });

@@ -1,7 +1,8 @@
 #pragma once
 /// Particle shifting (kernel/shift.hpp), and particles that have sunk into a terrain.
 
-#include "talus/mpm/kernel/shift.hpp"
+#include "talus/mpm/kernel/pieces.hpp"
+#include "talus/mpm/kernel/runs.hpp"
 #include "talus/mpm/stage/velocities.hpp"
 #include "talus/mpm/stress_update.hpp"
 
@@ -40,7 +41,7 @@ class ParticleShift {
     windows_ = m.grid.template in_room_of_windows<double>();
     volume_ = m.grid.template in_room_of_nodes<double>();
     filling_ = m.grid.template in_room_of_nodes<double>(sizeof(double));
-    excess_ = m.grid.template in_room_of_nodes<double>(2 * sizeof(double));
+    crowding_ = m.grid.template in_room_of_nodes<Crowding>(2 * sizeof(double));
     m.fill_windows(windows_, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
     finish_exchange(m.backend, m.halo, windows_);
     m.backend.for_each(m.all_tiles,
@@ -53,9 +54,9 @@ class ParticleShift {
     m.walls->extend_evenly(m.backend, filling_.data());
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       const auto filling = m.window_of(t, filling_);
-      find_excess<Dim, Shape>(filling, excess_.of(t));
+      find_excess<Dim, Shape>(filling, crowding_.of(t));
     });
-    m.walls->extend_evenly(m.backend, excess_.data());
+    m.walls->extend_evenly(m.backend, crowding_.data());
     return m.add_up(m.over_tiles([&](int t, int worker, TileSums& sums) {
       if (!m.has_particles(t)) return;
       if (!m.is_left_out(t)) shift_tile(m, t, worker, time, sums);
@@ -71,30 +72,30 @@ class ParticleShift {
       const auto points = m.points(m.bodies[b], t);
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       present_volumes(m.bodies[b].law, points.particles, points.range, s);
-      add_volumes(points, m.domain, m.most_room[b], s, windows_.of(t));
+      if constexpr (goes_by_runs<Shape>)
+        add_volumes_in_runs(points, m.domain, m.most_room[b], s, windows_.of(t));
+      else
+        add_volumes(points, m.domain, m.most_room[b], s, windows_.of(t));
     }
   }
 
   void shift_tile(Model<Dim, Shape>& m, int t, int worker, double time, TileSums& sums) {
-    const auto filling = m.window_of(t, filling_), excess = m.window_of(t, excess_);
+    const Interpolated<Dim, Shape, Crowding> crowding(m.grid.tile(t), crowding_.data());
     auto solids = m.contact_finder.solids_beside(m.grid.tile(t).place, time);
     const auto beside_solids = [&](const Vec<3>& x, const Vec<3>& shift) { return solids.limited(x, shift); };
     const double length = m.numerics.shifting_length.value_or(m.domain.h);
     m.for_each_body(t, [&](auto& body, const auto& points) {
       if (keeps_neighbours(body.law)) return;
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
-      if (m.numerics.average_pressure) {
-        find_filling(points, m.domain, filling, s);
-        sums[Sum::averaging] += open_sparse(body.law, points.particles, points.range, s);
-      }
-      shift_particles(points, m.domain, excess, length, beside_solids);
+      shift_particles(points, m.domain, crowding, length, beside_solids, s);
+      if (m.numerics.average_pressure) sums[Sum::averaging] += open_sparse(body.law, points.particles, points.range, s);
     });
   }
 
   typename Grid<Dim, Shape>::template Windows<double> windows_;
-  typename Grid<Dim, Shape>::template Nodes<double> volume_;   ///< of the particles around nodes [m3]
-  typename Grid<Dim, Shape>::template Nodes<double> filling_;  ///< that volume over the room around a node
-  typename Grid<Dim, Shape>::template Nodes<double> excess_;   ///< by how much nodes are too full
+  typename Grid<Dim, Shape>::template Nodes<double> volume_;      ///< of the particles around nodes [m3]
+  typename Grid<Dim, Shape>::template Nodes<double> filling_;     ///< that volume over the room around a node
+  typename Grid<Dim, Shape>::template Nodes<Crowding> crowding_;  ///< filling and excess
 };
 
 }  // namespace talus
