@@ -119,6 +119,11 @@ TALUS_INLINE void divide(Quad& first, Quad& last, Quad& all) {
 struct LayerSums {
   Quad of[3][3];
 
+  LayerSums() {
+    for (auto& line : of)
+      for (Quad& sum : line) sum = Quad(0.0);
+  }
+
   /// From parts to nodes.
   TALUS_INLINE void divide_up() {
     for (auto& line : of) divide(line[first_node], line[last_node], line[all_nodes]);
@@ -147,8 +152,6 @@ struct LayerSums {
 template <class Batch, class Hand>
 TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand hand) {
   LayerSums sums;
-  for (auto& line : sums.of)
-    for (Quad& s : line) s = Quad(0.0);
   for (int p = begin; p < end; ++p) {
     Quad by_N[3], by_dN[3];
     hand(p, by_N, by_dN);
@@ -168,14 +171,22 @@ TALUS_INLINE LayerSums sum_up_layer(const Batch& batch, int begin, int end, Hand
   return sums;
 }
 
+/// Calls f(begin, end) for the runs of the first `count` particles of a batch.
+template <class Batch, class F>
+TALUS_INLINE void for_each_run(const Batch& batch, int count, F f) {
+  for (int begin = 0, end = 0; begin < count; begin = end) {
+    while (end < count && batch.node(end) == batch.node(begin)) ++end;
+    f(begin, end);
+  }
+}
+
 /// Adds the runs of the first `count` particles of a batch to a window, from `hand(part, p, by_N, by_dN)`: what particle p
 /// hands to a part along the third axis, see `sum_up_layer`; in the plane to the one of all. Nodes of the window lie `stride`
 /// apart.
 template <int stride = 1, class Batch, NodeOfFour Node, class Hand>
 TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand hand) {
   constexpr int line = stride * Batch::edge, plane = line * Batch::edge;
-  for (int begin = 0, end = 0; begin < count; begin = end) {
-    while (end < count && batch.node(end) == batch.node(begin)) ++end;
+  for_each_run(batch, count, [&](int begin, int end) {
     Node* const nodes = window + stride * batch.node(begin);
     const auto layer = [&](auto part) {
       return sum_up_layer(batch, begin, end,
@@ -194,7 +205,7 @@ TALUS_INLINE void add_runs(const Batch& batch, int count, Node* window, Hand han
       between -= outer;
       between.template add_to<stride, line>(nodes + plane);
     }
-  }
+  });
 }
 
 /// Adds the first four numbers of each particle, times its weights; see `add_runs`.
@@ -267,12 +278,9 @@ TALUS_FLATTEN void add_volumes_in_runs(const TilePoints<Dim, Shape>& points, con
       const auto& N = w.along[0].N;
       batch.put(0, {volume * N[0], volume * N[1], volume * N[2], Octet(0.0)}, k);
     }
-    for (int run = 0, end = 0; run < count; run = end) {
-      while (end < count && batch.node(end) == batch.node(run)) ++end;
+    for_each_run(batch, count, [&](int first, int end) {
       LayerSums lines;  // by parts along the third axis, in the plane that of all nodes, and the second one
-      for (auto& layer : lines.of)
-        for (Quad& line : layer) line = Quad(0.0);
-      for (int p = run; p < end; ++p)
+      for (int p = first; p < end; ++p)
         for (const Part layer : {first_node, last_node, all_nodes}) {
           if (Dim == 2 && layer != all_nodes) continue;
           const Quad value = layer == all_nodes ? batch.four(0, p) : batch.weight(2, layer, p) * batch.four(0, p);
@@ -282,13 +290,13 @@ TALUS_FLATTEN void add_volumes_in_runs(const TilePoints<Dim, Shape>& points, con
         }
       lines.divide_up();
       constexpr int line = Batch::edge, plane = line * line;
-      double* const nodes = window + batch.node(run);
+      double* const nodes = window + batch.node(first);
       for (int k = 0; k < (Dim == 3 ? 3 : 1); ++k) {
         const auto& layer = lines.of[Dim == 3 ? k : 1];  // nothing of the plane is in an outer one
         for (int j = 0; j < 3; ++j)
           for (int i = 0; i < 3; ++i) nodes[i + line * j + plane * k] += layer[j][i];
       }
-    }
+    });
   }
 }
 
