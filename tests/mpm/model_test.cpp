@@ -62,7 +62,8 @@ TEST(Model, TilesWhoseWindowsOthersNeedAreFilledFirstAndTheRestWhileTheseAreOnTh
     std::vector<int> each_once(std::size_t(model.grid.n_tiles()));
     std::iota(each_once.begin(), each_once.end(), 0);
     EXPECT_EQ(all, each_once);
-    model.over_nodes(model.grid.momentum_windows, model.grid.momentum, true, [](int, TileSums&) {});
+    model.over_nodes(model.grid.momentum_windows, model.grid.momentum, true,
+                     [](int, const MassMomentum*, TileSums&) {});
     EXPECT_FALSE(backend.is_under_way());
     for (int t = 0; t < model.grid.n_occupied(); ++t)
       EXPECT_EQ(model.grid.momentum_windows.of(t)[0].mass, double(model.halo.number[std::size_t(t)]));

@@ -231,21 +231,24 @@ struct Model {
     auto& list = contacts[std::size_t(t)];
     return {list.data(), int(list.size())};
   }
-  /// Nodal sums = what all windows hold, images included; of all tiles held, or of those whose nodes this owner needs. Then
-  /// f(tile, sums) for every tile whose nodes it needs: away from walls at once, as long as they are in the cache. Returns
-  /// the sums.
+  /// Adds up at nodes what all windows hold, images included. Then runs f(tile, its nodal sums, sums) for every tile whose
+  /// nodes this owner needs: away from walls at once, as long as they are in the cache. `nodes` keeps those of tiles near
+  /// walls, or `of_all` tiles. Returns the sums.
   template <class Windows, class Nodes, class F>
   SumsByTile over_nodes(Windows& windows, Nodes& nodes, bool of_all, F f) {
     finish_exchange(backend, halo, windows);
     SumsByTile sums(std::size_t(grid.n_tiles()));
     backend.for_each(all_tiles, [&](int t, int) {
-      const bool needs = needs_nodes(t);
-      if (of_all || needs) talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), nodes.of(t));
       TileSums& of_tile = sums[std::size_t(t)] = {};
-      if (needs && !walls->near_wall(t)) f(t, of_tile);
+      const bool needs = needs_nodes(t), near_wall = walls->near_wall(t);
+      if (!needs && !of_all) return;
+      typename Nodes::Value not_kept[Nodes::n];
+      typename Nodes::Value* const of_nodes = of_all || near_wall ? nodes.of(t) : not_kept;
+      talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), of_nodes);
+      if (needs && !near_wall) f(t, of_nodes, of_tile);
     });
     walls->fold(backend, nodes.data());
-    walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });
+    walls->for_each_tile(backend, [&](int t) { f(t, nodes.of(t), sums[std::size_t(t)]); });
     return sums;
   }
   /// The nodes that particles of a tile touch.

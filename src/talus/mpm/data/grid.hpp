@@ -144,8 +144,8 @@ class Room {
 /// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls, of particles |
 /// | windows, behind those of moments | nodes have added up moments | fits are known | second moments at walls |
 /// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |
-/// | nodes, first quarter | momentum is added up | stresses are updated | momentum |
-/// | nodes, first quarter | forces are added up | particles have moved | forces |
+/// | nodes, first quarter | momentum is added up | stresses are updated | momentum near walls, or with solids |
+/// | nodes, first quarter | forces are added up | particles have moved | forces near walls, or with solids |
 /// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
 /// | nodes | particles are filtered or shifted | the same | moments and fits, volumes |
 template <int Dim, class Shape>
@@ -158,8 +158,8 @@ class Grid {
   template <class Node>
   using Windows = TileArrayView<Node, Layout::n_window>;
 
-  Nodes<MassMomentum> momentum;      ///< m_I and m_I v_I, from the particles
-  Nodes<ForceStiffness> force;       ///< f_I of stress and loads, in the place of `momentum`
+  Nodes<MassMomentum> momentum;      ///< m_I and m_I v_I, from the particles, where walls or solids need them
+  Nodes<ForceStiffness> force;       ///< f_I of stress and loads, in the place of `momentum`, likewise
   Nodes<MassVelocity> velocity;      ///< v_I at the start of the step
   Nodes<Acceleration> acceleration;  ///< a_I
   Nodes<MassVelocity> new_velocity;  ///< v_I at the end of the step, where a stage needs it

@@ -66,6 +66,12 @@ TALUS_FLATTEN TALUS_HD void accelerate(const TilePlace<Dim>& tile, const Mirrors
     load_nodes(velocity + i, v);
     const Octet mass = v[3], stiffness = f[3];
     const auto has_mass = mass > Octet(least_mass);
+    if (!any(has_mass)) {
+      for (Octet& component : a) component = zero;
+      store_nodes(acceleration + i, a);
+      store_nodes(new_velocity + i, a);
+      return;
+    }
     const Octet per_mass = one / select(has_mass, mass, one);
     Octet work(0.0), by_gravity(0.0), speed2(0.0);
     for (int c = 0; c < 3; ++c) {

@@ -73,6 +73,11 @@ TALUS_FLATTEN TALUS_HD void find_velocities(const TilePlace<Dim>& tile, const Mi
     load_nodes(momentum + i, v);
     const Octet mass = v[3];
     const auto has_mass = mass > Octet(least_mass);
+    if (!any(has_mass)) {
+      for (int a = 0; a < 3; ++a) v[a] = zero;
+      store_nodes(velocity + i, v);
+      return;
+    }
     const Octet per_mass = Octet(1.0) / select(has_mass, mass, Octet(1.0));
     Octet speed2(0.0);
     for (int a = 0; a < 3; ++a) {

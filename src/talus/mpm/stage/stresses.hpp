@@ -180,13 +180,14 @@ SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     add_impulses_of_contacts(m, t);
     add_heat_of_contacts(m, t);
   };
-  SumsByTile sums_by_tile = m.over_nodes(g.force_windows, g.force, has_solids, [&](int t, TileSums& sums) {
-    MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
-    MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
-    accelerate(g.tile(t).place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t),
-               g.velocity.of(t), g.acceleration.of(t), new_velocity, sums);
-    if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
-  });
+  SumsByTile sums_by_tile =
+      m.over_nodes(g.force_windows, g.force, has_solids, [&](int t, const ForceStiffness* force, TileSums& sums) {
+        MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
+        MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
+        accelerate(g.tile(t).place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, force,
+                   g.velocity.of(t), g.acceleration.of(t), new_velocity, sums);
+        if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
+      });
   if (has_solids)
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (m.contacts[std::size_t(t)].empty()) return;

@@ -66,10 +66,10 @@ SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, boo
                   m.grid.velocity.of(t), sums);
     for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
   };
-  SumsByTile sums_by_tile =
-      m.over_nodes(m.grid.momentum_windows, m.grid.momentum, has_solids, [&](int t, TileSums& sums) {
-        find_velocities(m.grid.tile(t).place, m.walls->mirrors(), m.walls->near_wall(t), step.least_mass,
-                        m.grid.momentum.of(t), m.grid.velocity.of(t), sums);
+  SumsByTile sums_by_tile = m.over_nodes(
+      m.grid.momentum_windows, m.grid.momentum, has_solids, [&](int t, const MassMomentum* momentum, TileSums& sums) {
+        find_velocities(m.grid.tile(t).place, m.walls->mirrors(), m.walls->near_wall(t), step.least_mass, momentum,
+                        m.grid.velocity.of(t), sums);
         if (!has_solids) meet(t, sums);
       });
   if (has_solids)
