@@ -144,11 +144,11 @@ TALUS_HD inline void write(FourDoubles x, double* column) { *reinterpret_cast<Fo
 TALUS_HD inline void write_integers(FourDoubles x, int* column) {
   for (int i = 0; i < 4; ++i) column[i] = int(x[i]);
 }
-/// The first `count` numbers only; what is `beyond` them is the same in all lanes.
 #if defined(__AVX2__) && !defined(__CUDACC__)
 typedef long long FourWide __attribute__((vector_size(32)));
 /// All bits of each of the first `count` lanes.
 inline FourWide first_of_four(int count) { return FourWide{0, 1, 2, 3} < FourWide{count, count, count, count}; }
+/// The first `count` numbers only; what is `beyond` them is the same in all lanes.
 inline void read_first(const double* column, int count, double beyond, FourDoubles& x) {
   const FourWide first = first_of_four(count);
   const FourDoubles all{beyond, beyond, beyond, beyond};
