@@ -70,6 +70,16 @@ TEST(Elementary, InverseFourthRootsAreWithinTwoUlp) {
   EXPECT_LE(worst, 2);
 }
 
+TEST(Elementary, CubeRootsAreCubeRoots) {
+  std::mt19937_64 random(7);
+  for (int i = 0; i < 1000000; ++i) {
+    const double x = std::pow(10, std::uniform_real_distribution<>(-30, 30)(random));
+    ASSERT_NEAR(cube_root(x) / std::cbrt(x), 1, 1e-14) << x;
+  }
+  EXPECT_NEAR(cube_root(0.0), 0, 1e-100);
+  EXPECT_TRUE(std::isnan(cube_root(std::nan(""))));
+}
+
 TEST(Elementary, TheInverseFourthRootOfZeroIsLargeAndFinite) {
   EXPECT_GT(inverse_fourth_root(0.0), 1e70);
   EXPECT_TRUE(std::isfinite(inverse_fourth_root(0.0)));
@@ -82,6 +92,7 @@ TEST(Elementary, PacksGiveTheBitsOfSingleNumbers) {
     EXPECT_EQ(talus::exp(Pack(x))[i % pack_width], talus::exp(x));
     EXPECT_EQ(talus::log(Pack(y))[i % pack_width], talus::log(y));
     EXPECT_EQ(inverse_fourth_root(Pack(y))[i % pack_width], inverse_fourth_root(y));
+    EXPECT_EQ(cube_root(Pack(y))[i % pack_width], cube_root(y));
   }
 }
 

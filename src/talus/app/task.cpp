@@ -35,14 +35,10 @@ std::string command_to_resume(const fs::path& folder, int threads) {
 }
 
 std::string command_to_resume(const Task& task, const fs::path& folder, int threads) {
-  try {
-    read_case_text((folder / "case.toml").string(), task.case_text);
-    return command_to_resume(folder, threads);
-  } catch (const InputError&) {
-    std::string run = quoted(task.case_file) + " --resume --out " + quoted(folder.string());
-    for (const std::string& assignment : task.set) run += " --set " + quoted(assignment);
-    return command(run, threads);
-  }
+  if (can_be_read_at((folder / "case.toml").string(), task.case_text)) return command_to_resume(folder, threads);
+  std::string run = quoted(task.case_file) + " --resume --out " + quoted(folder.string());
+  for (const std::string& assignment : task.set) run += " --set " + quoted(assignment);
+  return command(run, threads);
 }
 
 namespace {

@@ -38,6 +38,10 @@ ElementTestFile read_element_test(const std::string& path, const std::vector<Ove
 CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder = "");
 ElementTestFile read_element_test_text(const std::string& name, std::string_view text, const std::string& folder);
 
+/// Whether a case that is right elsewhere is so with the name of this file, too, in whose folder it looks for other files.
+/// Does not place its particles.
+bool can_be_read_at(const std::string& name, std::string_view text);
+
 class Document;
 /// The same from a document, in which mistakes stay.
 Case understand_case(Document& document, const std::string& folder);

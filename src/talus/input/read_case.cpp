@@ -26,7 +26,9 @@ const Declaration& case_declaration() {
   return d;
 }
 
-Case understand_case(Document& document, const std::string& folder) {
+namespace {
+
+Case understand(Document& document, const std::string& folder, bool with_start) {
   Case case_;
   Section root = Section::root(document, &case_declaration());
   case_.title = root.text(title_of_case);
@@ -50,14 +52,31 @@ Case understand_case(Document& document, const std::string& folder) {
   for (const Mistake& m : resolved.mistakes) root.complain(m);
   if (is_right_so_far && resolved.mistakes.empty())
     for (const Mistake& m : check_complete(resolved.case_)) root.complain(m);
-  if (document.is_right())
+  if (with_start && document.is_right())
     for (const Mistake& m : check_start(resolved.case_)) root.complain(m);
   return resolved.case_;
 }
 
+/// The folder where a case looks for files that it names.
+std::string folder_of(const std::string& name) { return std::filesystem::path(name).parent_path().string(); }
+
+}  // namespace
+
+Case understand_case(Document& document, const std::string& folder) { return understand(document, folder, true); }
+
+bool can_be_read_at(const std::string& name, std::string_view text) {
+  try {
+    Document document(name, text);
+    understand(document, folder_of(name), false);
+    return document.is_right();
+  } catch (const InputError&) {  // no TOML
+    return false;
+  }
+}
+
 CaseFile read_case_text(const std::string& name, std::string_view text, const std::string& folder) {
   Document document(name, text);
-  Case case_ = understand_case(document, folder.empty() ? std::filesystem::path(name).parent_path().string() : folder);
+  Case case_ = understand_case(document, folder.empty() ? folder_of(name) : folder);
   document.finish();
   return {std::move(case_), std::move(document.understood())};
 }
@@ -65,7 +84,7 @@ CaseFile read_case_text(const std::string& name, std::string_view text, const st
 CaseFile read_case(const std::string& path, const std::vector<Override>& overrides) {
   Document document(path);
   document.replace(overrides);
-  Case case_ = understand_case(document, std::filesystem::path(path).parent_path().string());
+  Case case_ = understand_case(document, folder_of(path));
   document.finish();
   return {std::move(case_), std::move(document.understood())};
 }

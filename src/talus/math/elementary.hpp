@@ -1,5 +1,5 @@
 #pragma once
-/// exp, log and fourth roots for one number or a pack of them, with the same bits either way.
+/// exp, log, cube and fourth roots for one number or a pack of them, with the same bits either way.
 ///
 /// exp and log reduce the argument exactly and evaluate a minimax polynomial; the coefficients were computed for talus with
 /// the Remez exchange in 60-digit arithmetic (`scripts/minimax.py` prints them). Largest error measured over the range
@@ -94,6 +94,12 @@ TALUS_HD R log(R x) {
   const R half_f2 = R(0.5) * f * f;
   const R tail = multiply_add(s, multiply_add(z, poly, half_f2), k * R(ln2_low));
   return multiply_add(k, R(ln2_high), f - (half_f2 - tail)) + trouble;
+}
+
+/// Cube root of a normal positive number, to 1e-14 of it between 1e-30 and 1e30; about 1e-103 for 0.
+template <Number R>
+TALUS_HD R cube_root(R x) {
+  return exp(log(x) * R(1.0 / 3));
 }
 
 /// x^(-1/4), at most 2 ulp off, for normal positive x; a large number for 0. The bits of a number are nearly its logarithm, so minus a

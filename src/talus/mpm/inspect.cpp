@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "talus/mpm/stress_update.hpp"
+
 namespace talus {
 
 namespace {
@@ -16,6 +18,31 @@ const Quantity& common(std::string_view name) {
 }
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
+
+/// What the states of some particles tell of them.
+class PresentStates {
+ public:
+  static constexpr int most = 256;  ///< particles
+  ScratchView view() {
+    ScratchView s{};
+    s.volume = volumes_;
+    for (int c = 0; c < 6; ++c) s.flux[c] = fluxes_[c];
+    s.cell = cells_;
+    return s;
+  }
+
+ private:
+  static constexpr int row = most + widest_pack;
+  double volumes_[row], fluxes_[6][row];
+  int cells_[row];
+};
+
+/// Calls f(rows) for parts of a range that `PresentStates` has room for.
+template <class F>
+void for_each_part(RowRange range, F f) {
+  for (int begin = range.begin; begin < range.end; begin += PresentStates::most)
+    f(RowRange{begin, std::min(range.end, begin + PresentStates::most)});
+}
 
 }  // namespace
 
@@ -152,17 +179,23 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 template <int Dim>
 void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, double* row) {
   const Particles<Dim>& p = body.particles;
-  std::visit(
-      [&]<class Law>(const Law& law) {
-        for (int i = range.begin; i < range.end; ++i) {
-          *row++ = double(p.id(i));
-          for (int a = 0; a < 3; ++a) *row++ = a < Dim ? p.position(a)[i] : 0;
-          *row++ = size_of_particle(volume_of(law, p, i), axisymmetric ? p.position(0)[i] : 1, Dim);
-          *row++ = p.mass()[i];
-          *row++ = double(p.ancestor(i));
-        }
-      },
-      body.law);
+  PresentStates present;
+  const ScratchView s = present.view();
+  for_each_part(range, [&](const RowRange& rows) {
+    present_volumes(body.law, p.view(), rows, s);
+    double* const size = s.volume;  // takes their place
+    for (int i = 0; i < rows.size(); i += Pack::width) {
+      const Pack radius = axisymmetric ? load<Pack>(p.position(0) + rows.begin + i, rows.size() - i) : Pack(1.0);
+      store(size + i, size_of_particle(load<Pack>(s.volume + i), radius, Dim));
+    }
+    for (int i = rows.begin; i < rows.end; ++i) {
+      *row++ = double(p.id(i));
+      for (int a = 0; a < 3; ++a) *row++ = a < Dim ? p.position(a)[i] : 0;
+      *row++ = size[i - rows.begin];
+      *row++ = p.mass()[i];
+      *row++ = double(p.ancestor(i));
+    }
+  });
 }
 
 template <int Dim>
@@ -186,27 +219,25 @@ void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_st
 template <int Dim>
 void CellPressures<Dim>::add(const Body<Dim>& body, RowRange range, const Domain<Dim>& domain, const Index<Dim>& tile) {
   const Particles<Dim>& p = body.particles;
-  std::visit(
-      [&]<class Law>(const Law& law) {
-        for (int i = range.begin; i < range.end; ++i) {
-          int number = 0;
-          double speed2 = 0;
-          for (int a = Dim - 1; a >= 0; --a) {
-            const double in_tile = std::floor((p.position(a)[i] - domain.origin[a]) / domain.h) - tile_edge * tile[a];
-            number = tile_edge * number + int(std::clamp(in_tile, 0.0, tile_edge - 1.0));
-            speed2 += p.velocity(a)[i] * p.velocity(a)[i];
-          }
-          const auto state = state_of<Law>(p, i);
-          const double volume = p.reference_volume()[i] * law.specific_volume(state);
-          const double P = pressure(Law::total_stress(state));
-          Cell& cell = cells[std::size_t(number)];
-          cell.volume += volume;
-          cell.pressure += volume * P;
-          cell.squared += volume * P * P;
-          cell.speed2 += volume * speed2;
-        }
-      },
-      body.law);
+  const CellFinder<Dim> finder{domain.origin, 1 / domain.h, tile};
+  PresentStates present;
+  const ScratchView s = present.view();
+  for_each_part(range, [&](const RowRange& rows) {
+    present_volumes(body.law, p.view(), rows, s);
+    present_stress(body.law, p.view(), rows, s);
+    for (int i = 0; i < rows.size(); i += Pack::width)
+      store_integers(s.cell + i, finder.at(p.view().template places<Pack>(rows.begin + i, rows.size() - i)));
+    for (int i = 0; i < rows.size(); ++i) {
+      const double volume = s.volume[i], pressure = -(s.flux[0][i] + s.flux[1][i] + s.flux[2][i]) / 3;
+      double speed2 = 0;
+      for (int a = 0; a < Dim; ++a) speed2 += p.velocity(a)[rows.begin + i] * p.velocity(a)[rows.begin + i];
+      Cell& cell = cells[std::size_t(s.cell[i])];
+      cell.volume += volume;
+      cell.pressure += pressure;
+      cell.squared += pressure * pressure / volume;
+      cell.speed2 += volume * speed2;
+    }
+  });
 }
 
 template <int Dim>

@@ -1,13 +1,14 @@
 #pragma once
 /// A run of the material point method, as the rest of talus sees it: no dimension, shape function or law in its type.
 
-#include <cmath>
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "talus/case/case.hpp"
+#include "talus/math/elementary.hpp"
 #include "talus/mpm/backend.hpp"
 #include "talus/mpm/ledger.hpp"
 #include "talus/mpm/surface_accounts.hpp"
@@ -86,8 +87,9 @@ using ReadArray = std::function<std::vector<double>(const std::string& name, std
 
 /// Edge of the square or cube that a particle of a volume [m3] fills; axisymmetric volumes are per radian, at a radius
 /// [m].
-inline double size_of_particle(double volume, double radius, int dim) {
-  return dim == 2 ? std::sqrt(volume / radius) : std::cbrt(volume / radius);
+template <Number R>
+R size_of_particle(R volume, std::type_identity_t<R> radius, int dim) {
+  return dim == 2 ? sqrt(volume / radius) : cube_root(volume / radius);
 }
 
 class Simulation {

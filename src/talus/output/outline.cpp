@@ -4,7 +4,6 @@
 #include <cmath>
 #include <future>
 #include <limits>
-#include <map>
 #include <numbers>
 
 #include "talus/output/patches.hpp"
@@ -23,57 +22,56 @@ struct Reach {
   double centre, half;
 };
 
-/// The range [low, high] of the particles that are connected to the median by strips of a given width that all hold a part
-/// of a particle. Particles of a failed run that have no finite place do not count.
-std::pair<double, double> connected_range(const std::vector<Reach>& particles, double width) {
-  const auto counts = [&](const Reach& p) { return std::abs(p.centre) < 1e9 * width; };
+/// A part of an axis [m].
+struct Stretch {
+  double low, high;
+};
+
+/// The range of the particles that are connected to the median by strips of a given width that all hold a part of a particle.
+/// Only those count that stand in `domain`, or at most a strip beside it: those of a failed run may be anywhere.
+Stretch connected_range(const std::vector<Reach>& particles, const Stretch& domain, double width) {
   const double per_width = 1 / width;
   const auto strip_of = [&](double x) {  // std::floor takes longer
     const double share = x * per_width;
     const long towards_zero = long(share);
     return towards_zero - (share < double(towards_zero));
   };
+  constexpr double infinite = std::numeric_limits<double>::infinity();
   struct Strip {
+    double low = infinite, high = -infinite;  ///< of the particles whose centres it has [m]
     long n_centres = 0;
     bool holds_material = false;
   };
-  std::map<long, Strip> strips;
-  constexpr std::size_t n_latest = 256;
-  std::pair<const long, Strip>* latest[n_latest] = {};  // a particle that is near others finds its strip at once
-  const auto at = [&](long strip) -> Strip& {
-    auto*& found = latest[std::size_t(strip) % n_latest];
-    if (!found || found->first != strip) found = &*strips.try_emplace(strip).first;
-    return found->second;
-  };
-  long n = 0;
+  constexpr long around = 4;  // strips on either side of the domain; material does not reach the outer ones
+  const long first = strip_of(domain.low) - around;
+  std::vector<Strip> strips(std::size_t(strip_of(domain.high) + around + 1 - first));
+  const auto at = [&](double x) -> Strip& { return strips[std::size_t(strip_of(x) - first)]; };
+  const double least = domain.low - width, most = domain.high + width;
   const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
+  long n = 0;
   for (const Reach& p : particles) {
-    if (!counts(p)) continue;
+    if (!(p.centre > least && p.centre < most)) continue;
     ++n;
     const double half = std::min(p.half, width) - rounding;  // grains that fly apart fill any volume
-    const long end = strip_of(p.centre + half);
-    for (long strip = strip_of(p.centre - half); strip <= end; ++strip) at(strip).holds_material = true;
-    ++at(strip_of(p.centre)).n_centres;
+    at(p.centre - half).holds_material = at(p.centre + half).holds_material = true;
+    Strip& strip = at(p.centre);
+    strip.holds_material = true;
+    strip.n_centres += 1;
+    strip.low = std::min(strip.low, p.centre - p.half);
+    strip.high = std::max(strip.high, p.centre + p.half);
   }
   if (n == 0) return {0, 0};
 
   auto median = strips.begin();
-  for (long before = median->second.n_centres; before <= n / 2; before += median->second.n_centres) ++median;
-  const auto holds_material = [&](long strip) {
-    const auto found = strips.find(strip);
-    return found != strips.end() && found->second.holds_material;
+  for (long before = median->n_centres; before <= n / 2; before += median->n_centres) ++median;
+  Stretch range{infinite, -infinite};
+  const auto extend = [&](const Strip& strip) {
+    range.low = std::min(range.low, strip.low);
+    range.high = std::max(range.high, strip.high);
   };
-  long low = median->first, high = low;
-  while (holds_material(low - 1)) --low;
-  while (holds_material(high + 1)) ++high;
-  const double begin = double(low) * width, end = double(high + 1) * width;
-  double least = std::numeric_limits<double>::infinity(), most = -least;
-  for (const Reach& p : particles) {
-    if (!(p.centre >= begin && p.centre < end)) continue;
-    least = std::min(least, p.centre - p.half);
-    most = std::max(most, p.centre + p.half);
-  }
-  return {least, most};
+  for (auto strip = median; strip->holds_material; ++strip) extend(*strip);
+  for (auto strip = median; strip->holds_material; --strip) extend(*strip);
+  return range;
 }
 
 /// Surface from the first to the last patch that holds material, and an empty one beyond each, so that the surface falls to
@@ -136,6 +134,13 @@ double OutlineFinder::radius_of(const Vec<3>& place) const {
   return std::sqrt(r2);
 }
 
+double OutlineFinder::largest_radius() const {
+  double radius = 0;
+  for (int a = 0; a < dim_ - 1; ++a)
+    radius = std::hypot(radius, std::max(domain_.max[a] - axis_[a], axis_[a] - domain_.min[a]));
+  return radius;
+}
+
 Patches OutlineFinder::ground(const ParticlePlaces& particles) const {
   const bool plane = dim_ == 2;
   Patches patches({domain_.min[0], plane ? 0 : domain_.min[1]}, {n_cells_[0], plane ? 1 : n_cells_[1]}, cell_);
@@ -164,11 +169,8 @@ Patches OutlineFinder::ground(const ParticlePlaces& particles) const {
 }
 
 Patches OutlineFinder::rings(const ParticlePlaces& particles) const {
-  double farthest = 0;  // of the domain's corners from the axis
-  for (int a = 0; a < dim_ - 1; ++a)
-    farthest = std::hypot(farthest, std::max(domain_.max[a] - axis_[a], axis_[a] - domain_.min[a]));
   const double nearest = axisymmetric_ ? domain_.min[0] : 0;
-  Patches patches({nearest, 0}, {int(std::ceil((farthest - nearest) / cell_ * (1 - 1e-12))), 1}, cell_);
+  Patches patches({nearest, 0}, {int(std::ceil((largest_radius() - nearest) / cell_ * (1 - 1e-12))), 1}, cell_);
   for (int i = 0; i < patches.n(); ++i) patches.at(i).area = angle_ * cell_ * patches.middle(i);
   for (std::size_t p = 0; p < particles.places.size(); ++p) {
     const double r = radius_of(particles.places[p]), size = particles.sizes[p];
@@ -207,23 +209,25 @@ void OutlineFinder::find_farthest(const ParticlePlaces& particles, Outline& outl
   const int up = dim_ - 1;
   std::vector<Reach> along(places.size());
   for (std::size_t i = 0; i < places.size(); ++i) along[i].half = half_size_of(particles, i);
+  const auto stretch_of_domain = [&](int axis) { return Stretch{domain_.min[axis], domain_.max[axis]}; };
   const auto range_along = [&](int axis) {
     for (std::size_t i = 0; i < places.size(); ++i) along[i].centre = places[i][axis];
-    return connected_range(along, cell_);
+    return connected_range(along, stretch_of_domain(axis), cell_);
   };
   for (int axis = 0; axis < dim_ - 1; ++axis) {
-    const auto [low, high] = range_along(axis);
-    outline.farthest_min[axis] = low;
-    outline.farthest_max[axis] = high;
+    const Stretch range = range_along(axis);
+    outline.farthest_min[axis] = range.low;
+    outline.farthest_max[axis] = range.high;
   }
-  outline.height = range_along(up).second - floor_;
+  outline.height = range_along(up).high - floor_;
   std::vector<Reach> near_axis;
   for (std::size_t i = 0; i < places.size(); ++i) {
     along[i].centre = radius_of(places[i]);
     if (along[i].centre <= near_axis_cells * cell_) near_axis.push_back({places[i][up], along[i].half});
   }
-  outline.height_at_axis = near_axis.empty() ? 0 : connected_range(near_axis, cell_).second - floor_;
-  if (dim_ == 3) outline.farthest_radius = connected_range(along, cell_).second;
+  outline.height_at_axis =
+      near_axis.empty() ? 0 : connected_range(near_axis, stretch_of_domain(up), cell_).high - floor_;
+  if (dim_ == 3) outline.farthest_radius = connected_range(along, {0, largest_radius()}, cell_).high;
   if (axisymmetric_) outline.farthest_radius = outline.farthest_max[0];
 }
 

@@ -60,6 +60,8 @@ class OutlineFinder {
   double half_size_of(const ParticlePlaces& particles, std::size_t i) const;
   /// Distance from the axis [m].
   double radius_of(const Vec<3>& place) const;
+  /// Of the domain's corners.
+  double largest_radius() const;
 
   int dim_;
   double cell_, floor_, level_;

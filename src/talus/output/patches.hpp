@@ -31,7 +31,7 @@ struct Patch {
 class Patches {
  public:
   Patches(std::array<double, 2> origin, std::array<int, 2> n, double width)
-      : origin_(origin), n_(n), width_(width), patches_(std::size_t(n[0]) * n[1]) {}
+      : origin_(origin), n_(n), width_(width), per_width_(1 / width), patches_(std::size_t(n[0]) * n[1]) {}
 
   Patch& at(int i, int j = 0) { return patches_[std::size_t(j) * n_[0] + i]; }
   const Patch& at(int i, int j = 0) const { return patches_[std::size_t(j) * n_[0] + i]; }
@@ -43,9 +43,14 @@ class Patches {
   void divide(int axis, double low, double high, Add add) const {
     low = std::max(low, origin_[axis]);
     high = std::min(high, origin_[axis] + n_[axis] * width_);
-    if (!(low < high)) return;               // beyond the domain, or nowhere
+    if (!(low < high)) return;  // beyond the domain, or nowhere
+    const int nearest = std::clamp(int((low - origin_[axis]) * per_width_), 0, n_[axis] - 1);
+    if (low >= origin_[axis] + nearest * width_ && high <= origin_[axis] + (nearest + 1) * width_) {  // most are
+      add(nearest, low, high);
+      return;
+    }
     const double rounding = 1e-12 * width_;  // so that what ends at a patch's edge is not also beyond it
-    for (int i = std::clamp(int((low - origin_[axis]) / width_) - 1, 0, n_[axis] - 1); i < n_[axis]; ++i) {
+    for (int i = std::max(0, nearest - 1); i < n_[axis]; ++i) {
       const double begin = origin_[axis] + i * width_, end = begin + width_;
       if (begin > high - rounding) break;
       if (end > low + rounding) add(i, std::max(low, begin), std::min(high, end));
@@ -67,7 +72,7 @@ class Patches {
 
   std::array<double, 2> origin_;
   std::array<int, 2> n_;
-  double width_;
+  double width_, per_width_;
   std::vector<Patch> patches_;
 };
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <map>
 #include <sstream>
 
@@ -206,6 +207,23 @@ std::string PictureBook::panel_of_script(int number, const Layout& layout) const
          (number == 1 ? "unset colorbox\n" : "");
 }
 
+std::string PictureBook::particles_of_script(int number, long column, double pixels_per_metre, double stretch) const {
+  // Discs a fifth larger than particles. Where these are few pixels wide, squares look alike, of which gnuplot draws four in
+  // the time of a disc; they are a pixel wider than particles, so that some pixel is all in one or the other of two neighbours.
+  constexpr double enlarged = 1.2, widest_square = 4;
+  const std::string file = gnuplot_text(instant(number).filename().string());
+  const double per_metre = 1 / unit_.length, half_pixel = 0.5 * per_metre / pixels_per_metre;
+  const auto those = [&](const char* comparison) {
+    return fmt::format("{0} skip 2 using ($3 {1} {2:g} ? $1*{3:g} : NaN):($2*{3:g})", file, comparison,
+                       widest_square / pixels_per_metre, per_metre);
+  };
+  constexpr const char* look = "fill solid noborder lc palette";
+  return fmt::format("{0}:($3*{1:g}+{2:g}):($3*{1:g}+{3:g}):{4} with boxxyerror {5}", those("<="), 0.5 * per_metre,
+                     half_pixel, half_pixel / stretch, column, look) +
+         fmt::format(", {0}:($3*{1:g}):($3*{1:g}):(0):{2} with ellipses units xy {3}", those(">"), enlarged * per_metre,
+                     column, look);
+}
+
 std::vector<Picture> PictureBook::draw() const {
   // Instants are read back, so that a run that was stopped and resumed shows the same.
   Instants all = read_instants();
@@ -227,24 +245,24 @@ std::vector<Picture> PictureBook::draw() const {
                                          columns_of_places()));
 
   std::vector<Picture> pictures;
+  std::vector<std::future<bool>> drawn;
   for (const Quantity& q : quantities) {
     if (!all.values.contains(q.name)) continue;
     const auto is_of_quantity = [&](const std::string& name) { return name.rfind(q.name + " ", 0) == 0; };
     const auto column = std::find_if(all.names.begin(), all.names.end(), is_of_quantity) - all.names.begin() + 1;
     layout.n_title_lines = int(title(q, layout).size());
     std::string script = head_of_script(q, all, layout);
-    for (int i = 0; i < layout.n; ++i)  // the size of a particle, drawn a fifth larger
-      script += panel_of_script(i, layout) +
-                fmt::format(
-                    "plot {0} skip 2 using {1}:($3*{2:g}):($3*{2:g}):(0):{3} with ellipses units xy fill solid "
-                    "noborder lc palette{4}\n",
-                    gnuplot_text(instant(i).filename().string()), columns_of_places(), 1.2 * (1 / unit_.length), column,
-                    surfaces[i]);
+    for (int i = 0; i < layout.n; ++i)
+      script += panel_of_script(i, layout) + "plot " +
+                particles_of_script(i, column, layout.panel_width / width, layout.stretch) + surfaces[i] + "\n";
     const std::filesystem::path file = folder_ / (q.name + ".gp");
     write_whole(file, script + "unset multiplot\n");
-    if (!run_gnuplot(file)) return {};
+    drawn.push_back(std::async(std::launch::async, [file] { return run_gnuplot(file); }));
     pictures.push_back({folder_ / (q.name + ".png"), caption(q)});
   }
+  bool all_drawn = true;
+  for (std::future<bool>& picture : drawn) all_drawn &= picture.get();
+  if (!all_drawn) pictures.clear();
   return pictures;
 }
 

@@ -47,6 +47,8 @@ class PictureBook {
   std::string head_of_script(const Quantity& quantity, const Instants& all, const Layout& layout) const;
   /// Place, title and labels of a panel.
   std::string panel_of_script(int number, const Layout& layout) const;
+  /// What draws the particles of an instant, in the colours of a column. `stretch`: scale of heights over that of lengths.
+  std::string particles_of_script(int number, long column, double pixels_per_metre, double stretch) const;
   /// Writes points on the surfaces of solids at an instant, inside the part of the plane that is shown. Returns the file.
   std::string write_solids(int number, const double low[2], const double high[2], double spacing) const;
 
