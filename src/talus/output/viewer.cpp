@@ -21,6 +21,7 @@ namespace {
 /// Component `c` of all particles.
 std::vector<double> component(const Field& field, int c) {
   std::vector<double> values;
+  values.reserve(field.values.size() / std::size_t(field.components));
   for (std::size_t i = std::size_t(c); i < field.values.size(); i += std::size_t(field.components))
     values.push_back(field.values[i]);
   return values;
@@ -199,26 +200,34 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
   if (snapshots.empty()) throw std::runtime_error("there are no snapshots");
   const std::size_t n_all = snapshots.size();
 
-  // Size of an instant, the mean of three, each extrapolated from part of its particles if there are many.
-  constexpr std::size_t most_sampled = 200'000;
-  const std::vector<std::size_t> samples = spread_out(n_all, std::min<std::size_t>(3, n_all));
-  double bytes = 1;
-  for (std::size_t i : samples) {
-    const std::size_t every = 1 + particles_in(snapshots[i]) / most_sampled;
-    bytes += double(pack(seen_in(snapshots[i], every), 0).html.size() * every) / double(samples.size());
-  }
   const std::size_t fewest = std::min<std::size_t>(fewest_instants, n_all);
+  double room = 0.97 * double(budget), bytes = 1;  // for particles; of an instant with all of them
+  std::size_t n = n_all, every = 1;
+  const auto fit = [&] {
+    n = std::clamp(std::size_t(std::min(room / bytes, double(n_all))), fewest, n_all);
+    every = std::size_t(std::max(1.0, std::ceil(double(n) * bytes / room)));
+  };
+
+  // Size of an instant, from the first, the middle and the last one as if it went on straight from one to the next, and from
+  // about as many particles as the page will show: the fewer, the less neighbours have in common, and the more bytes each takes.
+  const auto bytes_of = [&](std::size_t i, std::size_t sampled) {
+    return double(pack(seen_in(snapshots[i], sampled), 0).html.size() * sampled);
+  };
+  constexpr std::size_t first_guess = 20'000;
+  for (std::size_t sampled = 1 + particles_in(snapshots[0]) / first_guess;; sampled = every) {
+    bytes = 1 + 0.25 * bytes_of(0, sampled) + 0.5 * bytes_of(n_all / 2, sampled) + 0.25 * bytes_of(n_all - 1, sampled);
+    fit();
+    if (2 * every >= sampled) break;
+  }
   SceneData packed;
   // Other instants than those three may be larger, and solids count too: if the result is too large, once more with the
   // size of an instant that it had, and less room.
-  double room = double(budget);
   for (int trial = 0; trial < 6; ++trial) {
-    const std::size_t n = std::clamp(std::size_t(std::min(room / bytes, double(n_all))), fewest, n_all);
-    const std::size_t every = std::size_t(std::max(1.0, std::ceil(double(n) * bytes / room)));
     packed = pack_scene(case_, snapshots, n, every);
     if (packed.size <= budget) break;
     bytes = std::max(bytes, double(packed.size) * double(every) / double(n));
     room *= 0.97;
+    fit();
   }
   return std::string(page_parts::viewer_html()) + packed.html + embedded_json("scene", packed.scene.dump()) +
          embedded_script(page_parts::three_js()) + embedded_script(page_parts::orbit_controls_js()) +
