@@ -147,15 +147,18 @@ ObservedPart share_out(Backend& backend, Observation own) {
 }
 
 void gather(Backend& backend, Observation& seen) {
-  const std::vector<Message> ids = backend.gather_at_first(seen.find("id")->values);
-  const RowsOfIds rows(joined(ids));
+  const auto of_all = [&](std::vector<double>&& mine) {
+    return backend.n_owners() == 1 ? std::move(mine) : joined(backend.gather_at_first(mine));
+  };
+  const std::vector<double> ids = of_all(std::vector(seen.find("id")->values));
+  const RowsOfIds order(ids);
+  std::vector<std::size_t> rows(ids.size());
+  for_each_of(backend, rows.size(), [&](std::size_t i) { rows[i] = order.row(ids[i]); });
   for (Field& f : seen.fields) {
     const std::size_t n = std::size_t(f.components);
-    const std::vector<Message> all = backend.gather_at_first(f.values);
-    f.values.assign(rows.size() * n, unknown);
-    for (std::size_t o = 0; o < all.size(); ++o)
-      for (std::size_t i = 0; i < ids[o].size(); ++i)
-        std::copy_n(&all[o][i * n], n, &f.values[rows.row(ids[o][i]) * n]);
+    const std::vector<double> all = of_all(std::move(f.values));
+    f.values = std::vector<double>(all.size());
+    for_each_of(backend, rows.size(), [&](std::size_t i) { std::copy_n(&all[i * n], n, &f.values[rows[i] * n]); });
   }
 }
 
