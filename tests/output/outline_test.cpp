@@ -142,7 +142,12 @@ TEST(Outline, ParticlesThatAreNowhereDoNotCount) {
   ParticlePlaces p = heap();
   const OutlineFinder finder(plane(), p);
   p.places[52] = {std::nan(""), std::nan(""), 0};  // one of five in the middle
-  EXPECT_NEAR(finder.find(p).front_max[0], 1.05, 1e-12);
+  p.places[57] = {1e30, -1e300, 0};
+  const Outline o = finder.find(p);
+  EXPECT_NEAR(o.front_max[0], 1.05, 1e-12);
+  EXPECT_NEAR(o.farthest_min[0], -1.05, 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 1.05, 1e-12);
+  EXPECT_NEAR(o.height, 0.5, 1e-12);
 }
 
 /// A block of `n` x `n` x 3 particles around (1, 2).

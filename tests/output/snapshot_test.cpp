@@ -98,19 +98,19 @@ TEST_F(Snapshots, WhatWasWrittenIsReadBack) {
 }
 
 TEST_F(Snapshots, AReaderMayTakeTheFirstOfSeveralParticles) {
-  // 2500 particles, in a file with chunks: every 7th are 358, the last one of them number 2499 = 357 x 7.
+  // A chunk of 65 536 and part of another, in which the first 7th particle is the sixth. The last one is number 69 993 = 9999 x 7.
   Observation seen{0, 0, {{"position", "m", "", 3, {}}, {"id", "1", "", 1, {}}}};
-  for (int i = 0; i < 2500; ++i) {
+  for (int i = 0; i < 70'000; ++i) {
     for (int a = 0; a < 3; ++a) seen.fields[0].values.push_back(3 * i + a);
     seen.fields[1].values.push_back(i);
   }
   write_snapshot(folder_ / "a.hdf", seen, {"id"});
-  EXPECT_EQ(particles_in(folder_ / "a.hdf"), 2500u);
+  EXPECT_EQ(particles_in(folder_ / "a.hdf"), 70'000u);
   const Observation read = read_snapshot(folder_ / "a.hdf", 7);
-  ASSERT_EQ(read.n_particles(), 358);
-  for (int i = 0; i < 358; ++i) {
-    EXPECT_EQ(read.find("id")->values[std::size_t(i)], 7 * i);
-    for (int a = 0; a < 3; ++a) EXPECT_EQ(read.fields[0].values[std::size_t(3 * i + a)], 21 * i + a);
+  ASSERT_EQ(read.n_particles(), 10'000);
+  for (int i = 0; i < 10'000; ++i) {
+    ASSERT_EQ(read.find("id")->values[std::size_t(i)], 7 * i);
+    for (int a = 0; a < 3; ++a) ASSERT_EQ(read.fields[0].values[std::size_t(3 * i + a)], 21 * i + a);
   }
 }
 

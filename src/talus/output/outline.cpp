@@ -17,62 +17,72 @@ namespace {
 /// that remain.
 constexpr double near_axis_cells = 2;
 
-/// One particle along a coordinate: its centre, and half its size.
-struct Reach {
-  double centre, half;
-};
-
 /// A part of an axis [m].
 struct Stretch {
   double low, high;
 };
 
-/// The range of the particles that are connected to the median by strips of a given width that all hold a part of a particle.
-/// Only those count that stand in `domain`, or at most a strip beside it: those of a failed run may be anywhere.
-Stretch connected_range(const std::vector<Reach>& particles, const Stretch& domain, double width) {
-  const double per_width = 1 / width;
-  const auto strip_of = [&](double x) {  // std::floor takes longer
-    const double share = x * per_width;
-    const long towards_zero = long(share);
-    return towards_zero - (share < double(towards_zero));
-  };
-  constexpr double infinite = std::numeric_limits<double>::infinity();
+/// Finds the range of the particles along an axis that are connected to the median by strips of a given width that all hold a
+/// part of a particle. Only those count that stand in `domain`, or at most a strip beside it: those of a failed run may be
+/// anywhere.
+class ConnectedRange {
+ public:
+  ConnectedRange(const Stretch& domain, double width)
+      : width_(width), per_width_(1 / width), least_(domain.low - width), most_(domain.high + width) {
+    constexpr long around = 4;  // strips on either side of the domain; material does not reach the outer ones
+    first_ = strip_of(domain.low) - around;
+    strips_.resize(std::size_t(strip_of(domain.high) + around + 1 - first_));
+  }
+
+  /// `half`: of the particle's size.
+  void add(double centre, double half) {
+    if (!(centre > least_ && centre < most_)) return;
+    // Grains that fly apart fill any volume. What ends at a strip's edge is not also beyond it, however it is rounded.
+    const double half_within = (half < width_ ? half : width_) - 1e-12 * width_;
+    at(centre - half_within).holds_material = at(centre + half_within).holds_material = true;
+    Strip& strip = at(centre);
+    strip.holds_material = true;
+    strip.n_centres += 1;
+    strip.low = std::min(strip.low, centre - half);
+    strip.high = std::max(strip.high, centre + half);
+    ++n_;
+  }
+
+  /// How many particles count.
+  long n() const { return n_; }
+  /// [0, 0] if none does.
+  Stretch range() const {
+    if (n_ == 0) return {0, 0};
+    auto median = strips_.begin();
+    for (long before = median->n_centres; before <= n_ / 2; before += median->n_centres) ++median;
+    Stretch range{infinite, -infinite};
+    const auto extend = [&](const Strip& strip) {
+      range.low = std::min(range.low, strip.low);
+      range.high = std::max(range.high, strip.high);
+    };
+    for (auto strip = median; strip->holds_material; ++strip) extend(*strip);
+    for (auto strip = median; strip->holds_material; --strip) extend(*strip);
+    return range;
+  }
+
+ private:
+  static constexpr double infinite = std::numeric_limits<double>::infinity();
   struct Strip {
     double low = infinite, high = -infinite;  ///< of the particles whose centres it has [m]
     long n_centres = 0;
     bool holds_material = false;
   };
-  constexpr long around = 4;  // strips on either side of the domain; material does not reach the outer ones
-  const long first = strip_of(domain.low) - around;
-  std::vector<Strip> strips(std::size_t(strip_of(domain.high) + around + 1 - first));
-  const auto at = [&](double x) -> Strip& { return strips[std::size_t(strip_of(x) - first)]; };
-  const double least = domain.low - width, most = domain.high + width;
-  const double rounding = 1e-12 * width;  // what ends at a strip's edge is not also beyond it
-  long n = 0;
-  for (const Reach& p : particles) {
-    if (!(p.centre > least && p.centre < most)) continue;
-    ++n;
-    const double half = std::min(p.half, width) - rounding;  // grains that fly apart fill any volume
-    at(p.centre - half).holds_material = at(p.centre + half).holds_material = true;
-    Strip& strip = at(p.centre);
-    strip.holds_material = true;
-    strip.n_centres += 1;
-    strip.low = std::min(strip.low, p.centre - p.half);
-    strip.high = std::max(strip.high, p.centre + p.half);
+  long strip_of(double x) const {  // std::floor takes longer
+    const double share = x * per_width_;
+    const long towards_zero = long(share);
+    return towards_zero - (share < double(towards_zero));
   }
-  if (n == 0) return {0, 0};
+  Strip& at(double x) { return strips_[std::size_t(strip_of(x) - first_)]; }
 
-  auto median = strips.begin();
-  for (long before = median->n_centres; before <= n / 2; before += median->n_centres) ++median;
-  Stretch range{infinite, -infinite};
-  const auto extend = [&](const Strip& strip) {
-    range.low = std::min(range.low, strip.low);
-    range.high = std::max(range.high, strip.high);
-  };
-  for (auto strip = median; strip->holds_material; ++strip) extend(*strip);
-  for (auto strip = median; strip->holds_material; --strip) extend(*strip);
-  return range;
-}
+  double width_, per_width_, least_, most_;
+  long first_, n_ = 0;
+  std::vector<Strip> strips_;
+};
 
 /// Surface from the first to the last patch that holds material, and an empty one beyond each, so that the surface falls to
 /// zero. Neighbours that hold material exchange a quarter of their difference in thickness, (1, 2, 1)/4: rows of particles
@@ -205,29 +215,24 @@ void OutlineFinder::find_fronts_around_axis(const ParticlePlaces& particles, Out
 }
 
 void OutlineFinder::find_farthest(const ParticlePlaces& particles, Outline& outline) const {
-  const std::vector<Vec<3>>& places = particles.places;
   const int up = dim_ - 1;
-  std::vector<Reach> along(places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) along[i].half = half_size_of(particles, i);
-  const auto stretch_of_domain = [&](int axis) { return Stretch{domain_.min[axis], domain_.max[axis]}; };
-  const auto range_along = [&](int axis) {
-    for (std::size_t i = 0; i < places.size(); ++i) along[i].centre = places[i][axis];
-    return connected_range(along, stretch_of_domain(axis), cell_);
-  };
-  for (int axis = 0; axis < dim_ - 1; ++axis) {
-    const Stretch range = range_along(axis);
-    outline.farthest_min[axis] = range.low;
-    outline.farthest_max[axis] = range.high;
+  const auto along_axis = [&](int a) { return ConnectedRange({domain_.min[a], domain_.max[a]}, cell_); };
+  ConnectedRange ranges[3] = {along_axis(0), along_axis(1), along_axis(up)};  // in 2D two of them
+  ConnectedRange upwards_at_axis = along_axis(up), outwards({0, largest_radius()}, cell_);
+  for (std::size_t i = 0; i < particles.places.size(); ++i) {
+    const Vec<3>& place = particles.places[i];
+    const double half = half_size_of(particles, i), radius = radius_of(place);
+    for (int a = 0; a < dim_; ++a) ranges[a].add(place[a], half);
+    if (dim_ == 3) outwards.add(radius, half);
+    if (radius <= near_axis_cells * cell_) upwards_at_axis.add(place[up], half);
   }
-  outline.height = range_along(up).high - floor_;
-  std::vector<Reach> near_axis;
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    along[i].centre = radius_of(places[i]);
-    if (along[i].centre <= near_axis_cells * cell_) near_axis.push_back({places[i][up], along[i].half});
+  for (int a = 0; a < up; ++a) {
+    outline.farthest_min[a] = ranges[a].range().low;
+    outline.farthest_max[a] = ranges[a].range().high;
   }
-  outline.height_at_axis =
-      near_axis.empty() ? 0 : connected_range(near_axis, stretch_of_domain(up), cell_).high - floor_;
-  if (dim_ == 3) outline.farthest_radius = connected_range(along, {0, largest_radius()}, cell_).high;
+  outline.height = ranges[up].range().high - floor_;
+  outline.height_at_axis = upwards_at_axis.n() == 0 ? 0 : upwards_at_axis.range().high - floor_;
+  if (dim_ == 3) outline.farthest_radius = outwards.range().high;
   if (axisymmetric_) outline.farthest_radius = outline.farthest_max[0];
 }
 
