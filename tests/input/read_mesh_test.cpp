@@ -133,6 +133,14 @@ TEST_F(StlFile, MakesASolidWhereItIsPut) {
   EXPECT_TRUE(told);
 }
 
+TEST_F(StlFile, ACaseCanBeReadWhereTheFileIsThatItNames) {
+  write("part.stl", binary_stl(meshes::box({0, 0, 0}, {400, 400, 400})));
+  const std::string text = text_of(R"(file = "part.stl", unit = "mm")");
+  EXPECT_TRUE(can_be_read_at((folder_ / "case.toml").string(), text));
+  EXPECT_FALSE(can_be_read_at((folder_ / "elsewhere" / "case.toml").string(), text));
+  EXPECT_FALSE(can_be_read_at((folder_ / "case.toml").string(), text + "[run"));
+}
+
 TEST_F(StlFile, WhatShowsItsInnerSideIsTurnedRound) {
   std::vector<Vec<3>> box = meshes::box({0, 0, 0}, {0.4, 0.4, 0.4});
   for (std::size_t i = 0; i < box.size(); i += 3) std::swap(box[i], box[i + 1]);

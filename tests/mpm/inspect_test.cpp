@@ -84,6 +84,44 @@ TEST(Inspect, AParticleIsAsLargeAsTheSquareOfItsVolume) {
   EXPECT_DOUBLE_EQ(around_axis[4], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
 }
 
+/// So many particles in the cells of the tile at the origin in turn; particle i has the volume 1 + i mod 3, the pressure i mod 5
+/// and the speed 2.
+Body<2> many(int n) {
+  std::vector<Vec<2>> places;
+  for (int i = 0; i < n; ++i) places.push_back({i % 4 + 0.5, i / 4 % 4 + 0.25});
+  Body<2> body{"many", 1, LinearElastic{1000, 0.25}, particles_at<2>(places, {state_size<LinearElastic>}), {}};
+  for (int i = 0; i < n; ++i) {
+    set_state<LinearElastic>(body.particles, i, {SymTensor<double>::isotropic(-(i % 5)), 1.0 + i % 3});
+    body.particles.velocity(1)[i] = 2;
+  }
+  return body;
+}
+
+TEST(Inspect, EveryParticleIsReadAlsoThoseBeyondTheLastFullPackOfTheLastPart) {
+  constexpr int n = 256 + 256 + 13;
+  Message rows((n - 1) * place_row);
+  put_places_of(many(n), {1, n}, false, rows.data());
+  for (int i = 1; i < n; ++i) {
+    const double* row = rows.data() + std::size_t(i - 1) * place_row;
+    ASSERT_EQ(row[0], i);
+    ASSERT_EQ(row[1], i % 4 + 0.5);
+    ASSERT_DOUBLE_EQ(row[4], std::sqrt(1.0 + i % 3)) << i;
+    ASSERT_EQ(row[5], 1);
+  }
+}
+
+TEST(Inspect, ThePressureInATileIsTheMeanOverVolumeAndScattersWithinCells) {
+  constexpr int n = 16 * 15 * 3;
+  CellPressures<2> cells;
+  cells.add(many(n), {0, n}, unit_cells<2>(16), {0, 0});
+  const TilePressure seen = cells.sum({0, 0});
+  // Each cell has all 15 pairs of volume and pressure, three times.
+  EXPECT_NEAR(seen.volume, 16 * 3 * 15 * 2, 1e-9);
+  EXPECT_NEAR(seen.pressure, 2, 1e-13);
+  EXPECT_NEAR(seen.scatter, std::sqrt(2), 1e-13) << "the variance of 0, 1, 2, 3, 4 is 2";
+  EXPECT_NEAR(seen.speed, 2, 1e-13);
+}
+
 TEST(Inspect, ADescriptionNamesTheParticleItsBodyAndItsQuantities) {
   const std::string text = describe(pair(), 1);
   for (const char* part : {"particle 1 of body `pair`", "position", "3, 4 m", "velocity", "6, 0 m/s", "volume_ratio"})

@@ -67,8 +67,10 @@ bool has_margin(const GreyImage& image) {
 
 TEST_F(Pictures, HaveTheSameScaleForHeightsAndLengths) {
   if (!gnuplot_is_installed()) GTEST_SKIP() << "needs gnuplot";
-  for (const auto& [width, height] : {std::array{2.0, 1.0}, std::array{1.0, 2.0}}) {
-    const GreyImage image = draw(width, height, 0.02, "A body");
+  // Particles of five pixels and one: discs and squares.
+  for (const auto& [width, height, edge] :
+       {std::array{2.0, 1.0, 0.02}, std::array{1.0, 2.0, 0.02}, std::array{2.0, 1.0, 0.004}}) {
+    const GreyImage image = draw(width, height, edge, "A body");
     const auto [across, up] = extent_of_body(image);
     EXPECT_NEAR(double(up) / across, height / width, 0.03 * height / width);
     EXPECT_TRUE(has_margin(image));

@@ -231,13 +231,13 @@ void CellPressures<Dim>::add(const Body<Dim>& body, RowRange range, const Domain
     for (int i = 0; i < rows.size(); i += Pack::width)
       store_integers(s.cell + i, finder.at(p.view().template places<Pack>(rows.begin + i, rows.size() - i)));
     for (int i = 0; i < rows.size(); ++i) {
-      const double volume = s.volume[i], pressure = -(s.flux[0][i] + s.flux[1][i] + s.flux[2][i]) / 3;
+      const double volume = s.volume[i], energy = -(s.flux[0][i] + s.flux[1][i] + s.flux[2][i]) / 3;  // p V
       double speed2 = 0;
       for (int a = 0; a < Dim; ++a) speed2 += p.velocity(a)[rows.begin + i] * p.velocity(a)[rows.begin + i];
       Cell& cell = cells[std::size_t(s.cell[i])];
       cell.volume += volume;
-      cell.pressure += pressure;
-      cell.squared += pressure * pressure / volume;
+      cell.pressure += energy;
+      cell.squared += energy * energy / volume;
       cell.speed2 += volume * speed2;
     }
   });

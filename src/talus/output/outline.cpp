@@ -55,14 +55,14 @@ class ConnectedRange {
     if (n_ == 0) return {0, 0};
     auto median = strips_.begin();
     for (long before = median->n_centres; before <= n_ / 2; before += median->n_centres) ++median;
-    Stretch range{infinite, -infinite};
+    Stretch found{infinite, -infinite};
     const auto extend = [&](const Strip& strip) {
-      range.low = std::min(range.low, strip.low);
-      range.high = std::max(range.high, strip.high);
+      found.low = std::min(found.low, strip.low);
+      found.high = std::max(found.high, strip.high);
     };
     for (auto strip = median; strip->holds_material; ++strip) extend(*strip);
     for (auto strip = median; strip->holds_material; --strip) extend(*strip);
-    return range;
+    return found;
   }
 
  private:

@@ -208,14 +208,14 @@ std::string PictureBook::panel_of_script(int number, const Layout& layout) const
 }
 
 std::string PictureBook::particles_of_script(int number, long column, double pixels_per_metre, double stretch) const {
-  // Discs a fifth larger than particles. Where these are few pixels wide, squares look alike, of which gnuplot draws four in
-  // the time of a disc; they are a pixel wider than particles, so that some pixel is all in one or the other of two neighbours.
-  constexpr double enlarged = 1.2, widest_square = 4;
+  // Discs a fifth larger than particles. Where these have few pixels, squares look alike, of which gnuplot draws four in the time
+  // of a disc; they are a pixel wider than particles, so that no gap shows between neighbours.
+  constexpr double enlarged = 1.2, largest_square = 4;
   const std::string file = gnuplot_text(instant(number).filename().string());
   const double per_metre = 1 / unit_.length, half_pixel = 0.5 * per_metre / pixels_per_metre;
   const auto those = [&](const char* comparison) {
     return fmt::format("{0} skip 2 using ($3 {1} {2:g} ? $1*{3:g} : NaN):($2*{3:g})", file, comparison,
-                       widest_square / pixels_per_metre, per_metre);
+                       largest_square / (pixels_per_metre * std::max(1.0, stretch)), per_metre);
   };
   constexpr const char* look = "fill solid noborder lc palette";
   return fmt::format("{0}:($3*{1:g}+{2:g}):($3*{1:g}+{3:g}):{4} with boxxyerror {5}", those("<="), 0.5 * per_metre,

@@ -208,19 +208,23 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
     every = std::size_t(std::max(1.0, std::ceil(double(n) * bytes / room)));
   };
 
-  // Size of an instant, from the first, the middle and the last one as if it went on straight from one to the next, and from
-  // about as many particles as the page will show: the fewer, the less neighbours have in common, and the more bytes each takes.
-  const auto bytes_of = [&](std::size_t i, std::size_t sampled) {
-    return double(pack(seen_in(snapshots[i], sampled), 0).html.size() * sampled);
-  };
+  // Size of an instant, from three as if it went on straight from one to the next, and from about as many particles as the page
+  // will show: the fewer, the less neighbours have in common, and the more bytes each takes.
+  const std::vector<std::size_t> samples = spread_out(n_all, std::min<std::size_t>(3, n_all));
   constexpr std::size_t first_guess = 20'000;
-  for (std::size_t sampled = 1 + particles_in(snapshots[0]) / first_guess;; sampled = every) {
-    bytes = 1 + 0.25 * bytes_of(0, sampled) + 0.5 * bytes_of(n_all / 2, sampled) + 0.25 * bytes_of(n_all - 1, sampled);
+  std::size_t sampled = 1;
+  for (std::size_t i : samples) sampled = std::max(sampled, 1 + particles_in(snapshots[i]) / first_guess);
+  for (;; sampled = every) {
+    bytes = 1;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      const double share = n_all <= 3 ? 1.0 / double(n_all) : k == 1 ? 0.5 : 0.25;
+      bytes += share * double(pack(seen_in(snapshots[samples[k]], sampled), 0).html.size() * sampled);
+    }
     fit();
-    if (2 * every >= sampled) break;
+    if (2 * every >= sampled || (every == 1 && n == n_all)) break;
   }
   SceneData packed;
-  // Other instants than those three may be larger, and solids count too: if the result is too large, once more with the
+  // Other instants than these may be larger, and solids count too: if the result is too large, once more with the
   // size of an instant that it had, and less room.
   for (int trial = 0; trial < 6; ++trial) {
     packed = pack_scene(case_, snapshots, n, every);
