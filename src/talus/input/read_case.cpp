@@ -28,6 +28,7 @@ const Declaration& case_declaration() {
 
 namespace {
 
+/// `with_start`: also what can be wrong at the start, for which particles are placed.
 Case understand(Document& document, const std::string& folder, bool with_start) {
   Case case_;
   Section root = Section::root(document, &case_declaration());

@@ -227,8 +227,9 @@ void OutlineFinder::find_farthest(const ParticlePlaces& particles, Outline& outl
     if (radius <= near_axis_cells * cell_) upwards_at_axis.add(place[up], half);
   }
   for (int a = 0; a < up; ++a) {
-    outline.farthest_min[a] = ranges[a].range().low;
-    outline.farthest_max[a] = ranges[a].range().high;
+    const Stretch range = ranges[a].range();
+    outline.farthest_min[a] = range.low;
+    outline.farthest_max[a] = range.high;
   }
   outline.height = ranges[up].range().high - floor_;
   outline.height_at_axis = upwards_at_axis.n() == 0 ? 0 : upwards_at_axis.range().high - floor_;

@@ -201,7 +201,8 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
   const std::size_t n_all = snapshots.size();
 
   const std::size_t fewest = std::min<std::size_t>(fewest_instants, n_all);
-  double room = 0.97 * double(budget), bytes = 1;  // for particles; of an instant with all of them
+  constexpr double margin = 0.97;                    // for what the estimate does not see
+  double room = margin * double(budget), bytes = 1;  // for particles; of an instant with all of them
   std::size_t n = n_all, every = 1;
   const auto fit = [&] {
     n = std::clamp(std::size_t(std::min(room / bytes, double(n_all))), fewest, n_all);
@@ -221,7 +222,8 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
       bytes += share * double(pack(seen_in(snapshots[samples[k]], sampled), 0).html.size() * sampled);
     }
     fit();
-    if (2 * every >= sampled || (every == 1 && n == n_all)) break;
+    const bool all_fits = every == 1 && n == n_all;
+    if (all_fits || 2 * every >= sampled) break;
   }
   SceneData packed;
   // Other instants than these may be larger, and solids count too: if the result is too large, once more with the
@@ -230,7 +232,7 @@ std::string viewer(const Case& case_, const std::vector<std::filesystem::path>& 
     packed = pack_scene(case_, snapshots, n, every);
     if (packed.size <= budget) break;
     bytes = std::max(bytes, double(packed.size) * double(every) / double(n));
-    room *= 0.97;
+    room *= margin;
     fit();
   }
   return std::string(page_parts::viewer_html()) + packed.html + embedded_json("scene", packed.scene.dump()) +
