@@ -211,15 +211,17 @@ std::string PictureBook::particles_of_script(int number, long column, double pix
   // Discs a fifth larger than particles. Where these have few pixels, squares look alike, of which gnuplot draws four in the time
   // of a disc; they are a pixel wider than particles, so that no gap shows between neighbours.
   constexpr double enlarged = 1.2, largest_square = 4;
-  const double largest = largest_square / (pixels_per_metre * std::max(1.0, stretch));
+  const std::string file = gnuplot_text(instant(number).filename().string());
   const double per_metre = 1 / unit_.length, half_pixel = 0.5 * per_metre / pixels_per_metre;
-  const std::string places =
-      fmt::format("{} skip 2 using {}", gnuplot_text(instant(number).filename().string()), columns_of_places());
+  const auto those = [&](const char* comparison) {  // no place skips a particle; without a size, gnuplot takes as long
+    return fmt::format("{0} skip 2 using ($3 {1} {2:g} ? $1*{3:g} : NaN):($2*{3:g})", file, comparison,
+                       largest_square / (pixels_per_metre * std::max(1.0, stretch)), per_metre);
+  };
   constexpr const char* look = "fill solid noborder lc palette";
-  return fmt::format("{0}:($3 <= {1:g} ? $3*{2:g}+{3:g} : NaN):($3*{2:g}+{4:g}):{5} with boxxyerror {6}", places,
-                     largest, 0.5 * per_metre, half_pixel, half_pixel / stretch, column, look) +
-         fmt::format(", {0}:($3 > {1:g} ? $3*{2:g} : NaN):($3*{2:g}):(0):{3} with ellipses units xy {4}", places,
-                     largest, enlarged * per_metre, column, look);
+  return fmt::format("{0}:($3*{1:g}+{2:g}):($3*{1:g}+{3:g}):{4} with boxxyerror {5}", those("<="), 0.5 * per_metre,
+                     half_pixel, half_pixel / stretch, column, look) +
+         fmt::format(", {0}:($3*{1:g}):($3*{1:g}):(0):{2} with ellipses units xy {3}", those(">"), enlarged * per_metre,
+                     column, look);
 }
 
 std::vector<Picture> PictureBook::draw() const {
