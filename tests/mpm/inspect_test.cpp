@@ -76,12 +76,25 @@ TEST(Inspect, RowsAreInTheOrderOfTheIdsThatAreThere) {
 }
 
 TEST(Inspect, AParticleIsAsLargeAsTheSquareOfItsVolume) {
-  Message plane(place_row), around_axis(place_row);
-  put_places_of(pair(), {1, 2}, false, plane.data());
-  put_places_of(pair(), {1, 2}, true, around_axis.data());
-  EXPECT_EQ(std::vector(plane.begin(), plane.begin() + 4), (std::vector<double>{1, 3, 4, 0})) << "of the second one";
-  EXPECT_DOUBLE_EQ(plane[4], std::sqrt(6.0));
-  EXPECT_DOUBLE_EQ(around_axis[4], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
+  ParticlePlaces plane, around_axis;
+  plane.resize(2);
+  around_axis.resize(1);
+  put_places_of(pair(), {1, 2}, false, plane, 1);
+  put_places_of(pair(), {1, 2}, true, around_axis, 0);
+  EXPECT_EQ(plane.places, (std::vector<Vec<3>>{{}, {3, 4, 0}})) << "the second one";
+  EXPECT_EQ(plane.ancestors[1], 1);
+  EXPECT_DOUBLE_EQ(plane.sizes[1], std::sqrt(6.0));
+  EXPECT_DOUBLE_EQ(around_axis.sizes[0], std::sqrt(6.0 / 3)) << "per radian, at a radius of 3 m";
+}
+
+TEST(Inspect, SprayFlowsWithNoMoreThanTheRoomItMayHave) {
+  // 2 kg in 3 and 6 m3; at most 2.5 m3/kg.
+  FlowPoints flow;
+  flow.resize(2);
+  put_flow_of(pair(), {0, 2}, 2.5, 1.25, flow, 0);
+  EXPECT_EQ(flow.volumes, (std::vector<double>{3, 5}));
+  EXPECT_EQ(flow.volumes_at_start, (std::vector<double>{2.5, 2.5}));
+  EXPECT_EQ(flow.velocities, (std::vector<Vec<3>>{{5, 0, 0}, {6, 0, 0}}));
 }
 
 /// So many particles in the cells of the tile at the origin in turn; particle i has the volume 1 + i mod 3, the pressure i mod 5
@@ -99,14 +112,19 @@ Body<2> many(int n) {
 
 TEST(Inspect, EveryParticleIsReadAlsoThoseBeyondTheLastFullPackOfTheLastPart) {
   constexpr int n = 256 + 256 + 13;
-  Message rows((n - 1) * place_row);
-  put_places_of(many(n), {1, n}, false, rows.data());
+  ParticlePlaces seen;
+  FlowPoints flow;
+  seen.resize(n - 1);
+  flow.resize(n - 1);
+  put_places_of(many(n), {1, n}, false, seen, 0);
+  put_flow_of(many(n), {1, n}, 1e9, 1, flow, 0);
   for (int i = 1; i < n; ++i) {
-    const double* row = rows.data() + std::size_t(i - 1) * place_row;
-    ASSERT_EQ(row[0], i);
-    ASSERT_EQ(row[1], i % 4 + 0.5);
-    ASSERT_DOUBLE_EQ(row[4], std::sqrt(1.0 + i % 3)) << i;
-    ASSERT_EQ(row[5], 1);
+    ASSERT_EQ(seen.ancestors[std::size_t(i - 1)], i);
+    ASSERT_EQ(seen.places[std::size_t(i - 1)][0], i % 4 + 0.5);
+    ASSERT_DOUBLE_EQ(seen.sizes[std::size_t(i - 1)], std::sqrt(1.0 + i % 3)) << i;
+    ASSERT_EQ(seen.masses[std::size_t(i - 1)], 1);
+    ASSERT_EQ(flow.volumes[std::size_t(i - 1)], 1 + i % 3);
+    ASSERT_EQ(flow.velocities[std::size_t(i - 1)][1], 2);
   }
 }
 

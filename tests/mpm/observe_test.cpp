@@ -60,18 +60,6 @@ TEST(Observe, StrainRatesStandInTheOrderOfRowsAndFieldsInThatOfIds) {
   EXPECT_NEAR(seen.find("shear_rate")->values[1], 1.25 / 2, 1e-13);
 }
 
-TEST(Observe, GatheredRowsAreInTheOrderOfIdsWhetherManyAreMissingOrFew) {
-  const auto backend = make_serial();
-  const auto values = [&](const Message& rows) {
-    std::vector<double> seconds;
-    for (const double* row : GatheredRows(*backend, rows, 2)) seconds.push_back(row[1]);
-    return seconds;
-  };
-  EXPECT_EQ(values({}), std::vector<double>{});
-  EXPECT_EQ(values({7, 0.7, 5, 0.5, 8, 0.8}), (std::vector<double>{0.5, 0.7, 0.8}));
-  EXPECT_EQ(values({1e12, 2, 5, 0.5, 8, 0.8}), (std::vector<double>{0.5, 0.8, 2}));
-}
-
 TEST(Observe, AfterABreakParticlesAreSeenWhereverTheyStandAndStrainAtNoRate) {
   SmallModel<> small(unit_cells<2>(16), {{5, 6}});
   auto& m = small.model;
@@ -96,7 +84,33 @@ TEST(Observe, BodiesAreNumberedInTheirOrderAndShareTheIds) {
   const Observation seen = observed(m, 0, 0, true);
   EXPECT_EQ(seen.find("body")->values, (std::vector<double>{0, 1, 0}));
   EXPECT_EQ(seen.find("id")->values, (std::vector<double>{0, 1, 2}));
-  EXPECT_EQ(places_of(m).places[1], (Vec<3>{9.5, 9.5, 0}));
+}
+
+TEST(Observe, PlacesAndFlowGoTileByTileAndInEachBodyByBody) {
+  // Tiles are four cells wide. Whatever ids say, the first body's particles in a tile come before those of the second one, which
+  // has none in the last tile.
+  const auto loop = make_threads(2);
+  std::vector<ShapedBody<2, Quadratic>> bodies;
+  bodies.push_back({small_body({{9.5, 1.5}, {5.5, 1.5}, {2.5, 1.5}}), {}});
+  bodies.push_back({small_body({{1.5, 1.5}, {6.5, 1.5}, {3.5, 1.5}}), {}});
+  for (std::size_t b = 0; b < 2; ++b)
+    for (int i = 0; i < 3; ++i) {
+      bodies[b].particles.set_id(i, long(3 * b) + i);
+      bodies[b].particles.mass()[i] = double(1 + 3 * b) + i;
+      bodies[b].particles.velocity(0)[i] = -bodies[b].particles.position(0)[i];
+    }
+  Model<2, Quadratic> m(unit_cells<2>(16), {}, std::move(bodies), {}, pure_flip(), *loop);
+  arrange(m);
+  const ParticlePlaces seen = places_of(m);
+  const FlowPoints flow = flow_of(m);
+  const std::vector<Vec<3>> places{{2.5, 1.5, 0}, {1.5, 1.5, 0}, {3.5, 1.5, 0},
+                                   {5.5, 1.5, 0}, {6.5, 1.5, 0}, {9.5, 1.5, 0}};
+  EXPECT_EQ(seen.places, places);
+  EXPECT_EQ(seen.ancestors, (std::vector<long>{2, 3, 5, 1, 4, 0}));
+  EXPECT_EQ(seen.masses, (std::vector<double>{3, 4, 6, 2, 5, 1}));
+  EXPECT_EQ(flow.places, places);
+  EXPECT_EQ(flow.masses, seen.masses);
+  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_EQ(flow.velocities[i][0], -places[i][0]) << i;
 }
 
 TEST(Observe, WhatHasLeftIsNotSeenAndHasNoPlace) {

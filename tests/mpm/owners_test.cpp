@@ -22,6 +22,14 @@ namespace talus::owners_test {
 bool same_bits(const std::vector<double>& a, const std::vector<double>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0);
 }
+bool same_vectors(const std::vector<Vec<3>>& a, const std::vector<Vec<3>>& b) {
+  const auto numbers = [](const std::vector<Vec<3>>& vectors) {
+    std::vector<double> all;
+    for (const Vec<3>& v : vectors) all.insert(all.end(), {v[0], v[1], v[2]});
+    return all;
+  };
+  return same_bits(numbers(a), numbers(b));
+}
 
 /// All that can be seen of a run after some steps.
 struct Result {
@@ -29,6 +37,7 @@ struct Result {
   std::vector<double> ledger;
   Observation seen;
   ParticlePlaces places;
+  FlowPoints flow;
   std::vector<TilePressure> pressures;
   std::vector<std::string> descriptions;  ///< of some particles
   long n_particles = 0;
@@ -58,6 +67,7 @@ class Run {
     out.ledger = image_of(simulation_->ledger());
     out.n_particles = simulation_->n_particles();
     out.places = simulation_->places();
+    out.flow = simulation_->flow();
     out.pressures = simulation_->pressures();
     for (const long id : {0L, 17L, 63L, 1000000L}) out.descriptions.push_back(simulation_->describe(id));
     out.seen = simulation_->observe();
@@ -145,11 +155,15 @@ std::string difference(const Result& a, const Result& b) {
   }
   if (a.n_particles != b.n_particles) return "number of particles";
   if (a.descriptions != b.descriptions) return "descriptions";
+  if (!same_vectors(a.places.places, b.places.places)) return "places";
   if (!same_bits(a.places.sizes, b.places.sizes)) return "sizes";
-  if (a.places.places.size() != b.places.places.size()) return "number of places";
-  for (std::size_t i = 0; i < a.places.places.size(); ++i)
-    for (int axis = 0; axis < 3; ++axis)
-      if (!same_bits({a.places.places[i][axis]}, {b.places.places[i][axis]})) return "places";
+  if (!same_bits(a.places.masses, b.places.masses)) return "masses";
+  if (a.places.ancestors != b.places.ancestors) return "ancestors";
+  if (!same_vectors(a.flow.places, b.flow.places)) return "places of the flow";
+  if (!same_vectors(a.flow.velocities, b.flow.velocities)) return "velocities of the flow";
+  if (!same_bits(a.flow.volumes, b.flow.volumes)) return "volumes of the flow";
+  if (!same_bits(a.flow.masses, b.flow.masses)) return "masses of the flow";
+  if (!same_bits(a.flow.volumes_at_start, b.flow.volumes_at_start)) return "volumes of the flow at the start";
   if (a.pressures.size() != b.pressures.size()) return "number of pressures";
   for (std::size_t i = 0; i < a.pressures.size(); ++i) {
     const TilePressure &x = a.pressures[i], &y = b.pressures[i];

@@ -70,15 +70,17 @@ TEST(Verification, ACantileverUnderSuddenGravitySagsAsThreeOtherCodesHaveIt) {
   const auto s = make_simulation(what, *loop);
   // Their tip is the lower corner of the free end, which the times of the maxima tell: the middle of its height sags to
   // 3.75 m at 1.12 s, the upper corner later still.
-  const auto start = s->places().places;
-  std::size_t tip = 0;
-  const auto off = [&](std::size_t i) { return std::hypot(start[i][0] - 4, start[i][1]); };
-  for (std::size_t i = 0; i < start.size(); ++i)
+  const Observation start = s->observe({"position"});
+  int tip = 0;
+  const auto off = [&](int i) {
+    return std::hypot(value(start, "position", i, 0) - 4, value(start, "position", i, 1));
+  };
+  for (int i = 0; i < start.n_particles(); ++i)
     if (off(i) < off(tip)) tip = i;
   double most = 0, when = 0;
   while (s->ledger().time < 1.5) {
     s->step();
-    const double sag = start[tip][1] - s->places().places[tip][1];
+    const double sag = value(start, "position", tip, 1) - value(s->observe({"position"}), "position", tip, 1);
     if (sag > most) {
       most = sag;
       when = s->ledger().time;
@@ -144,12 +146,12 @@ TEST(Verification, LayersOfDifferentGroundStayAtRestOneOnTheOther) {
   for (BodySpec& body : what.bodies) body.initial_stress = InitialStress::k0;
   const auto loop = make_serial();
   const auto s = make_simulation(what, *loop);
-  const auto start = s->places().places;
+  const Observation start = s->observe({"position"});
   while (s->ledger().time < 0.05) s->step();
   // From stress zero the layers would sink by rho g H^2/(2 M), some 80 um, and swing.
-  const auto places = s->places().places;
-  for (std::size_t i = 0; i < places.size(); ++i) EXPECT_NEAR(places[i][1], start[i][1], 2e-6);
   const auto seen = s->observe();
+  for (int p = 0; p < seen.n_particles(); ++p)
+    EXPECT_NEAR(value(seen, "position", p, 1), value(start, "position", p, 1), 2e-6);
   const auto &x = seen.find("position")->values, &stress = seen.find("stress")->values;
   for (int p = 0; p < seen.n_particles(); ++p) {
     const double y = x[3 * p + 1], load = y > 0.1 ? 1200 * g * (0.15 - y) : top_weight + 1800 * g * (0.1 - y);
@@ -167,7 +169,7 @@ TEST(Verification, ALayerOfSandLessSteepThanItsFrictionStaysAtRest) {
     what.gravity[dim - 1] = -g * std::cos(tilt);
     const auto loop = make_serial();
     const auto s = make_simulation(what, *loop);
-    const auto start = s->places().places;
+    const Observation start = s->observe({"position"});
     run_until(*s, 0.1);
     const auto seen = s->observe();
     const int shear = dim == 2 ? 3 : 5;
@@ -177,7 +179,8 @@ TEST(Verification, ALayerOfSandLessSteepThanItsFrictionStaysAtRest) {
       EXPECT_NEAR(value(seen, "stress", p, dim - 1), -rho * g * std::cos(tilt) * depth,
                   rho * g * (0.5 * what.cell + 0.01 * H));
       EXPECT_NEAR(value(seen, "stress", p, shear), rho * g * std::sin(tilt) * depth, 0.02 * rho * g * H);
-      for (int a = 0; a < dim; ++a) EXPECT_NEAR(value(seen, "position", p, a), start[p][a], 1e-4 * H);
+      for (int a = 0; a < dim; ++a)
+        EXPECT_NEAR(value(seen, "position", p, a), value(start, "position", p, a), 1e-4 * H);
     }
   }
 }

@@ -131,6 +131,17 @@ TEST(Outline, TheFarthestParticleIsNeverBehindTheFront) {
   EXPECT_NEAR(o.farthest_max[0], 2, 1e-12);
 }
 
+TEST(Outline, ParticlesAreKnownByTheirAncestorsInAnyOrder) {
+  // Three squares of 8, 1 and 1 kg, 0.2, 0.1 and 0.1 wide at the start. Then the wide one, swollen since, is at the right end,
+  // split into quarters, one of which is the last particle: it ends 0.1/2 beyond its middle.
+  ParticlePlaces start{{{0.35, 0.1, 0}, {0, 0.1, 0}, {0.15, 0.1, 0}}, {0.1, 0.2, 0.1}, {1, 8, 1}, {2, 0, 1}};
+  const OutlineFinder finder(plane(0.05), start);
+  const ParticlePlaces then{{{0, 0.1, 0}, {0.15, 0.1, 0}, {0.3, 0.1, 0}}, {0.1, 0.1, 0.3}, {1, 1, 2}, {1, 2, 0}};
+  const Outline o = finder.find(then);
+  EXPECT_NEAR(o.farthest_min[0], -0.05, 1e-12);
+  EXPECT_NEAR(o.farthest_max[0], 0.35, 1e-12);
+}
+
 TEST(Outline, MaterialThinnerThanAskedHasNoFront) {
   const ParticlePlaces p = heap();
   const Outline o = OutlineFinder(plane(0.6), p).find(p);

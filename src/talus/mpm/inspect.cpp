@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "talus/mpm/stress_update.hpp"
 
@@ -18,6 +19,14 @@ const Quantity& common(std::string_view name) {
 }
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 constexpr Quantity place{"position", "m", 3, "place of the particle"};
+
+/// A vector from its components along the axes; in 2D there is none along the third.
+template <int Dim, class F>
+Vec<3> from_components(F component) {
+  Vec<3> v{};
+  for (int a = 0; a < Dim; ++a) v[a] = component(a);
+  return v;
+}
 
 /// What the states of some particles tell of them.
 class PresentStates {
@@ -173,6 +182,70 @@ std::string gather(Backend& backend, const std::string& text) {
   return "";
 }
 
+namespace {
+
+/// Puts numbers of all owners' particles into the order of their tiles, for the first owner.
+class GatheredByTiles {
+ public:
+  /// `tiles`: of each own tile its number in the run and how many particles it has.
+  GatheredByTiles(Backend& backend, const std::vector<double>& tiles) : backend_(backend) {
+    for_each_row(backend.gather_at_first(tiles), 2, [&](const double* tile) {
+      const auto n = std::size_t(tile[1]);
+      stretches_.push_back({tile[0], n_, n_ + n});
+      n_ += n;
+    });
+    std::sort(stretches_.begin(), stretches_.end(), [](const auto& a, const auto& b) { return a.tile < b.tile; });
+  }
+
+  template <class T>
+  void operator()(std::vector<T>& values) const {
+    constexpr bool is_vector = std::is_same_v<T, Vec<3>>;
+    std::vector<double> numbers;
+    for (const T& value : values)
+      if constexpr (is_vector)
+        numbers.insert(numbers.end(), {value[0], value[1], value[2]});
+      else
+        numbers.push_back(double(value));
+    const std::vector<double> all = joined(backend_.gather_at_first(numbers));
+    values.clear();
+    values.reserve(n_);
+    for (const auto& [tile, begin, end] : stretches_)
+      for (std::size_t i = begin; i < end; ++i)
+        if constexpr (is_vector)
+          values.push_back({all[3 * i], all[3 * i + 1], all[3 * i + 2]});
+        else
+          values.push_back(T(all[i]));
+  }
+
+ private:
+  struct Stretch {
+    double tile;
+    std::size_t begin, end;  ///< of its particles among those of all owners, one owner after the other
+  };
+  Backend& backend_;
+  std::vector<Stretch> stretches_;
+  std::size_t n_ = 0;
+};
+
+}  // namespace
+
+void gather(Backend& backend, const std::vector<double>& tiles, ParticlePlaces& own) {
+  const GatheredByTiles gather_one(backend, tiles);
+  gather_one(own.places);
+  gather_one(own.sizes);
+  gather_one(own.masses);
+  gather_one(own.ancestors);
+}
+
+void gather(Backend& backend, const std::vector<double>& tiles, FlowPoints& own) {
+  const GatheredByTiles gather_one(backend, tiles);
+  gather_one(own.places);
+  gather_one(own.velocities);
+  gather_one(own.volumes);
+  gather_one(own.masses);
+  gather_one(own.volumes_at_start);
+}
+
 /// The present volume of a particle [m3].
 template <class Law, int Dim>
 double volume_of(const Law& law, const Particles<Dim>& p, int i) {
@@ -180,7 +253,7 @@ double volume_of(const Law& law, const Particles<Dim>& p, int i) {
 }
 
 template <int Dim>
-void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, double* row) {
+void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, ParticlePlaces& all, std::size_t first) {
   const Particles<Dim>& p = body.particles;
   PresentStates present;
   const ScratchView s = present.view();
@@ -191,32 +264,32 @@ void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, dou
       const Pack radius = axisymmetric ? load<Pack>(p.position(0) + rows.begin + i, rows.size() - i) : Pack(1.0);
       store(size + i, size_of_particle(load<Pack>(s.volume + i), radius, Dim));
     }
-    for (int i = rows.begin; i < rows.end; ++i) {
-      *row++ = double(p.id(i));
-      for (int a = 0; a < 3; ++a) *row++ = a < Dim ? p.position(a)[i] : 0;
-      *row++ = size[i - rows.begin];
-      *row++ = p.mass()[i];
-      *row++ = double(p.ancestor(i));
+    for (int i = rows.begin; i < rows.end; ++i, ++first) {
+      all.places[first] = from_components<Dim>([&](int a) { return p.position(a)[i]; });
+      all.sizes[first] = size[i - rows.begin];
+      all.masses[first] = p.mass()[i];
+      all.ancestors[first] = p.ancestor(i);
     }
   });
 }
 
 template <int Dim>
-void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_start, Message& rows) {
+void put_flow_of(const Body<Dim>& body, RowRange range, double most_room, double room_at_start, FlowPoints& all,
+                 std::size_t first) {
   const Particles<Dim>& p = body.particles;
-  std::visit(
-      [&]<class Law>(const Law& law) {
-        for (int i = 0; i < p.size(); ++i) {
-          rows.push_back(double(p.id(i)));
-          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.position(a)[i] : 0);
-          for (int a = 0; a < 3; ++a) rows.push_back(a < Dim ? p.velocity(a)[i] : 0);
-          const double volume = volume_of(law, p, i);
-          rows.push_back(std::min(volume, most_room * p.mass()[i]));
-          rows.push_back(p.mass()[i]);
-          rows.push_back(room_at_start * p.mass()[i]);
-        }
-      },
-      body.law);
+  PresentStates present;
+  const ScratchView s = present.view();
+  for_each_part(range, [&](const RowRange& rows) {
+    present_volumes(body.law, p.view(), rows, s);
+    for (int i = rows.begin; i < rows.end; ++i, ++first) {
+      const double mass = p.mass()[i];
+      all.places[first] = from_components<Dim>([&](int a) { return p.position(a)[i]; });
+      all.velocities[first] = from_components<Dim>([&](int a) { return p.velocity(a)[i]; });
+      all.volumes[first] = std::min(s.volume[i - rows.begin], most_room * mass);
+      all.masses[first] = mass;
+      all.volumes_at_start[first] = room_at_start * mass;
+    }
+  });
 }
 
 template <int Dim>
@@ -372,10 +445,10 @@ template void observe_body(const Body<2>&, int, const std::vector<SymTensor<doub
                            const std::vector<std::string>&);
 template void observe_body(const Body<3>&, int, const std::vector<SymTensor<double>>&, Backend&, Observation&,
                            const std::vector<std::string>&);
-template void put_places_of(const Body<2>&, RowRange, bool, double*);
-template void put_places_of(const Body<3>&, RowRange, bool, double*);
-template void add_flow_of_body(const Body<2>&, double, double, Message&);
-template void add_flow_of_body(const Body<3>&, double, double, Message&);
+template void put_places_of(const Body<2>&, RowRange, bool, ParticlePlaces&, std::size_t);
+template void put_places_of(const Body<3>&, RowRange, bool, ParticlePlaces&, std::size_t);
+template void put_flow_of(const Body<2>&, RowRange, double, double, FlowPoints&, std::size_t);
+template void put_flow_of(const Body<3>&, RowRange, double, double, FlowPoints&, std::size_t);
 template struct CellPressures<2>;
 template struct CellPressures<3>;
 template std::string describe(const Body<2>&, int);

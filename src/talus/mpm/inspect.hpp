@@ -53,17 +53,21 @@ inline std::vector<double> joined(const std::vector<Message>& messages) {
   return all;
 }
 
-/// Puts the id, place, size, mass and ancestor of some of a body's particles into rows. Volumes are per radian if
-/// axisymmetric.
+/// Puts the places, sizes, masses and ancestors of some of a body's particles into those of all, from number `first` on. Volumes
+/// are per radian if axisymmetric.
 template <int Dim>
-void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, double* row);
-inline constexpr std::size_t place_row = 7;  ///< numbers of a particle there
+void put_places_of(const Body<Dim>& body, RowRange range, bool axisymmetric, ParticlePlaces& all, std::size_t first);
 
-/// Adds the id, place, velocity, volume, mass and volume at the start of each of a body's particles. What has more than
-/// `most_room` [m3/kg] is spray, whose volume is mostly gap: it has so much. `room_at_start` [m3/kg]: of the body.
+/// The same of what flows. What has more than `most_room` [m3/kg] is spray, whose volume is mostly gap: it has so much.
+/// `room_at_start` [m3/kg]: of the body.
 template <int Dim>
-void add_flow_of_body(const Body<Dim>& body, double most_room, double room_at_start, Message& rows);
-inline constexpr std::size_t flow_row = 10;  ///< numbers of a particle there
+void put_flow_of(const Body<Dim>& body, RowRange range, double most_room, double room_at_start, FlowPoints& all,
+                 std::size_t first);
+
+/// Puts together, for the first owner, what each has of its own particles, tile by tile, in the order of tiles. `tiles`: of each own
+/// tile its number in the run and how many particles it has. Others have nothing then.
+void gather(Backend& backend, const std::vector<double>& tiles, ParticlePlaces& own);
+void gather(Backend& backend, const std::vector<double>& tiles, FlowPoints& own);
 
 /// What the pressure in a tile follows from: sums over the particles of each of its cells.
 template <int Dim>

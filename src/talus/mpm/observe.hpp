@@ -2,11 +2,9 @@
 /// What can be seen of a run between two steps.
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 #include <vector>
 
-#include "talus/mpm/cell_order.hpp"
 #include "talus/mpm/inspect.hpp"
 #include "talus/mpm/kernel/gradient.hpp"
 #include "talus/mpm/model.hpp"
@@ -45,40 +43,21 @@ Observation observe(Model<Dim, Shape>& m, double time, long step, bool broken, c
   return seen;
 }
 
-/// Rows of so many numbers, of which the first is an id: those of all owners in the order of ids, for the first owner.
-class GatheredRows {
- public:
-  GatheredRows(Backend& backend, Message mine, std::size_t n_numbers) {
-    if (backend.n_owners() == 1)
-      all_.push_back(std::move(mine));
-    else
-      all_ = backend.gather_at_first(mine);
-    std::size_t n = 0;
-    double first = std::numeric_limits<double>::infinity(), last = -first;
-    for_each_row(all_, n_numbers, [&](const double* row) {
-      ++n;
-      first = std::min(first, *row);
-      last = std::max(last, *row);
-    });
-    if (n == 0) return;
-    if (last - first < 4 * double(n)) {  // ids are whole numbers, of which most are there
-      rows_.assign(std::size_t(last - first) + 1, nullptr);
-      for_each_row(all_, n_numbers, [&](const double* row) { rows_[std::size_t(*row - first)] = row; });
-      std::erase(rows_, nullptr);
-    } else {
-      rows_.reserve(n);
-      for_each_row(all_, n_numbers, [&](const double* row) { rows_.push_back(row); });
-      std::sort(rows_.begin(), rows_.end(), [](const double* a, const double* b) { return *a < *b; });
+/// Calls f(b, rows, first) on all threads for the particles of each body b in each tile: their rows, and the number of the first one
+/// among all that this owner has, tile by tile and in each body by body.
+template <int Dim, class Shape, class F>
+void for_each_in_tiles(const Model<Dim, Shape>& m, F f) {
+  m.backend.for_each(m.grid.n_tiles(), [&](int t, int) {
+    if (!m.has_particles(t)) return;
+    std::size_t first = 0;
+    for (const auto& body : m.bodies) first += std::size_t(body.tiles[std::size_t(t)].begin);
+    for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+      const RowRange rows = m.bodies[b].tiles[std::size_t(t)];
+      f(b, rows, first);
+      first += std::size_t(rows.size());
     }
-  }
-  std::size_t size() const { return rows_.size(); }
-  auto begin() const { return rows_.begin(); }
-  auto end() const { return rows_.end(); }
-
- private:
-  std::vector<Message> all_;
-  std::vector<const double*> rows_;
-};
+  });
+}
 
 /// Of all bodies.
 template <int Dim, class Shape>
@@ -88,49 +67,41 @@ std::size_t n_own_particles(const Model<Dim, Shape>& m) {
   return n;
 }
 
+/// Puts together what `for_each_in_tiles` has found of the particles of all owners.
+template <int Dim, class Shape, class Found>
+void gather_by_tiles(const Model<Dim, Shape>& m, Found& found) {
+  if (m.backend.n_owners() == 1) return;
+  std::vector<double> tiles;
+  for (int t = 0; t < m.grid.n_tiles(); ++t) {
+    if (!m.has_particles(t)) continue;
+    int n = 0;
+    for (const auto& body : m.bodies) n += body.tiles[std::size_t(t)].size();
+    tiles.insert(tiles.end(), {double(m.halo.number[std::size_t(t)]), double(n)});
+  }
+  gather(m.backend, tiles, found);
+}
+
 template <int Dim, class Shape>
 ParticlePlaces places_of(const Model<Dim, Shape>& m) {
-  Message mine(n_own_particles(m) * place_row);
-  double* rows_of_body = mine.data();
-  const std::vector<RowOrder> parts = all_rows(m.bodies, m.backend);
-  for (std::size_t b = 0; b < parts.size(); ++b) {
-    m.backend.for_each(int(parts[b].size()), [&](int part, int) {
-      const RowRange range = parts[b][std::size_t(part)];
-      put_places_of<Dim>(m.bodies[b], range, m.domain.axisymmetric,
-                         rows_of_body + std::size_t(range.begin) * place_row);
-    });
-    rows_of_body += std::size_t(m.bodies[b].particles.size()) * place_row;
-  }
-  const GatheredRows rows(m.backend, std::move(mine), place_row);
-  const std::size_t n = rows.size();
-  ParticlePlaces all{std::vector<Vec<3>>(n), std::vector<double>(n), std::vector<double>(n), std::vector<long>(n)};
-  for_each_of(m.backend, n, [&](std::size_t i) {
-    const double* row = rows.begin()[long(i)];
-    all.places[i] = {row[1], row[2], row[3]};
-    all.sizes[i] = row[4];
-    all.masses[i] = row[5];
-    all.ancestors[i] = long(row[6]);
+  ParticlePlaces own;
+  own.resize(n_own_particles(m));
+  for_each_in_tiles(m, [&](std::size_t b, const RowRange& rows, std::size_t first) {
+    put_places_of<Dim>(m.bodies[b], rows, m.domain.axisymmetric, own, first);
   });
-  return all;
+  gather_by_tiles(m, own);
+  return own;
 }
 
 template <int Dim, class Shape>
 FlowPoints flow_of(const Model<Dim, Shape>& m) {
-  Message mine;
-  mine.reserve(n_own_particles(m) * flow_row);
-  for (std::size_t b = 0; b < m.bodies.size(); ++b) {
+  FlowPoints own;
+  own.resize(n_own_particles(m));
+  for_each_in_tiles(m, [&](std::size_t b, const RowRange& rows, std::size_t first) {
     const double room = m.most_room[b];
-    add_flow_of_body<Dim>(m.bodies[b], room, room / Model<Dim, Shape>::loosest, mine);
-  }
-  FlowPoints points;
-  for (const double* row : GatheredRows(m.backend, std::move(mine), flow_row)) {
-    points.places.push_back({row[1], row[2], row[3]});
-    points.velocities.push_back({row[4], row[5], row[6]});
-    points.volumes.push_back(row[7]);
-    points.masses.push_back(row[8]);
-    points.volumes_at_start.push_back(row[9]);
-  }
-  return points;
+    put_flow_of<Dim>(m.bodies[b], rows, room, room / Model<Dim, Shape>::loosest, own, first);
+  });
+  gather_by_tiles(m, own);
+  return own;
 }
 
 /// Of all tiles that hold material which may flow, in the order of their places.

@@ -44,19 +44,35 @@ struct ObservedPart {
   std::size_t n_all = 0;  ///< particles of the whole observation
 };
 
-/// Positions and sizes of the present particles, in the order of their ids, for outlines.
+/// Positions and sizes of the present particles, for outlines. Particles are in the order of tiles, as they were sorted last: so
+/// sums over them are the same on any number of threads and owners.
 struct ParticlePlaces {
   std::vector<Vec<3>> places;   ///< [m]
   std::vector<double> sizes;    ///< edge of a square or cube of the particle's present volume [m]
   std::vector<double> masses;   ///< [kg]
   std::vector<long> ancestors;  ///< ids of the initial particles from which they were split, or their own
+
+  void resize(std::size_t n) {
+    places.resize(n);
+    sizes.resize(n);
+    masses.resize(n);
+    ancestors.resize(n);
+  }
 };
 
-/// Motion of the present particles, in the order of their ids, for maps.
+/// Motion of the present particles, for maps; in the same order.
 struct FlowPoints {
   std::vector<Vec<3>> places, velocities;  ///< [m], [m/s]
   std::vector<double> volumes, masses;     ///< [m3], [kg]
   std::vector<double> volumes_at_start;    ///< of the same mass [m3]; empty where it is not asked for
+
+  void resize(std::size_t n) {
+    places.resize(n);
+    velocities.resize(n);
+    volumes.resize(n);
+    masses.resize(n);
+    volumes_at_start.resize(n);
+  }
 };
 
 /// Pressure in a tile of the grid (four cells along each axis), of all materials that may flow.

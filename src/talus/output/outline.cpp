@@ -29,7 +29,8 @@ class ConnectedRange {
  public:
   ConnectedRange(const Stretch& domain, double width)
       : width_(width), per_width_(1 / width), least_(domain.low - width), most_(domain.high + width) {
-    constexpr long around = 4;  // strips on either side of the domain; material does not reach the outer ones
+    constexpr long around =
+        5;  // strips on either side of the domain: one may have centres, `range` looks three farther
     first_ = strip_of(domain.low) - around;
     strips_.resize(std::size_t(strip_of(domain.high) + around + 1 - first_));
   }
@@ -37,11 +38,7 @@ class ConnectedRange {
   /// `half`: of the particle's size.
   void add(double centre, double half) {
     if (!(centre > least_ && centre < most_)) return;
-    // Grains that fly apart fill any volume. What ends at a strip's edge is not also beyond it, however it is rounded.
-    const double half_within = (half < width_ ? half : width_) - 1e-12 * width_;
-    at(centre - half_within).holds_material = at(centre + half_within).holds_material = true;
-    Strip& strip = at(centre);
-    strip.holds_material = true;
+    Strip& strip = strips_[std::size_t(strip_of(centre) - first_)];
     strip.n_centres += 1;
     strip.low = std::min(strip.low, centre - half);
     strip.high = std::max(strip.high, centre + half);
@@ -53,15 +50,15 @@ class ConnectedRange {
   /// [0, 0] if none does.
   Stretch range() const {
     if (n_ == 0) return {0, 0};
-    auto median = strips_.begin();
-    for (long before = median->n_centres; before <= n_ / 2; before += median->n_centres) ++median;
+    std::size_t median = 0;
+    for (long before = strips_[0].n_centres; before <= n_ / 2; before += strips_[median].n_centres) ++median;
     Stretch found{infinite, -infinite};
     const auto extend = [&](const Strip& strip) {
       found.low = std::min(found.low, strip.low);
       found.high = std::max(found.high, strip.high);
     };
-    for (auto strip = median; strip->holds_material; ++strip) extend(*strip);
-    for (auto strip = median; strip->holds_material; --strip) extend(*strip);
+    for (std::size_t k = median; holds_material(k); ++k) extend(strips_[k]);
+    for (std::size_t k = median; holds_material(k); --k) extend(strips_[k]);
     return found;
   }
 
@@ -70,14 +67,18 @@ class ConnectedRange {
   struct Strip {
     double low = infinite, high = -infinite;  ///< of the particles whose centres it has [m]
     long n_centres = 0;
-    bool holds_material = false;
   };
+  /// A centre, or part of a particle with its centre in the strip beside it. Farther ones do not count, as grains that fly apart
+  /// fill any volume, nor does what ends at the strip's edge, however it is rounded.
+  bool holds_material(std::size_t k) const {
+    const double low = double(first_ + long(k)) * width_, high = low + width_, rounding = 1e-12 * width_;
+    return strips_[k].n_centres > 0 || strips_[k - 1].high - rounding > low || strips_[k + 1].low + rounding < high;
+  }
   long strip_of(double x) const {  // std::floor takes longer
     const double share = x * per_width_;
     const long towards_zero = long(share);
     return towards_zero - (share < double(towards_zero));
   }
-  Strip& at(double x) { return strips_[std::size_t(strip_of(x) - first_)]; }
 
   double width_, per_width_, least_, most_;
   long first_, n_ = 0;
@@ -120,8 +121,10 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
       angle_(case_.axisymmetric ? 1 : 2 * std::numbers::pi) {
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
   if (axisymmetric_) axis_ = {};
-  for (double size : start.sizes) half_sizes_.push_back(size / 2);
-  masses_ = start.masses;
+  start_.resize(start.sizes.size());
+  for (std::size_t i = 0; i < start_.size(); ++i)
+    start_.at(start.ancestors.empty() ? i : std::size_t(start.ancestors[i])) = {
+        start.sizes[i] / 2, start.masses.empty() ? 1 : start.masses[i]};
   for (int a = 0; a < case_.dim - 1; ++a) {  // the axis of a body that a plane of symmetry cuts lies in the plane
     const bool low = case_.walls[2 * a].kind == WallKind::symmetry,
                high = case_.walls[2 * a + 1].kind == WallKind::symmetry;
@@ -132,10 +135,10 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
 }
 
 double OutlineFinder::half_size_of(const ParticlePlaces& particles, std::size_t i) const {
-  if (particles.ancestors.empty()) return half_sizes_[i];
-  const auto ancestor = std::size_t(particles.ancestors[i]);
-  const double share = particles.masses[i] / masses_[ancestor];
-  return share == 1 ? half_sizes_[ancestor] : size_of_particle(share, 1, dim_) * half_sizes_[ancestor];
+  if (particles.ancestors.empty()) return start_[i].half_size;
+  const AtStart& ancestor = start_[std::size_t(particles.ancestors[i])];
+  const double share = particles.masses[i] / ancestor.mass;
+  return share == 1 ? ancestor.half_size : size_of_particle(share, 1, dim_) * ancestor.half_size;
 }
 
 double OutlineFinder::radius_of(const Vec<3>& place) const {

@@ -69,9 +69,11 @@ class OutlineFinder {
   Box domain_;
   Index<3> n_cells_;
   Vec<3> axis_;
-  double angle_;                    ///< around the axis that the domain holds, not in plane strain [rad]
-  std::vector<double> half_sizes_;  ///< of the particles at the start
-  std::vector<double> masses_;      ///< of the particles at the start
+  double angle_;  ///< around the axis that the domain holds, not in plane strain [rad]
+  struct AtStart {
+    double half_size, mass;
+  };
+  std::vector<AtStart> start_;  ///< particles at the start, by their ids
 };
 
 }  // namespace talus
