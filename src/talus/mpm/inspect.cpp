@@ -230,20 +230,11 @@ class GatheredByTiles {
 }  // namespace
 
 void gather(Backend& backend, const std::vector<double>& tiles, ParticlePlaces& own) {
-  const GatheredByTiles gather_one(backend, tiles);
-  gather_one(own.places);
-  gather_one(own.sizes);
-  gather_one(own.masses);
-  gather_one(own.ancestors);
+  own.for_each_kind(GatheredByTiles(backend, tiles));
 }
 
 void gather(Backend& backend, const std::vector<double>& tiles, FlowPoints& own) {
-  const GatheredByTiles gather_one(backend, tiles);
-  gather_one(own.places);
-  gather_one(own.velocities);
-  gather_one(own.volumes);
-  gather_one(own.masses);
-  gather_one(own.volumes_at_start);
+  own.for_each_kind(GatheredByTiles(backend, tiles));
 }
 
 /// The present volume of a particle [m3].

@@ -52,11 +52,13 @@ struct ParticlePlaces {
   std::vector<double> masses;   ///< [kg]
   std::vector<long> ancestors;  ///< ids of the initial particles from which they were split, or their own
 
+  /// Calls f with the values of each kind.
+  template <class F>
+  void for_each_kind(F f) {
+    f(places), f(sizes), f(masses), f(ancestors);
+  }
   void resize(std::size_t n) {
-    places.resize(n);
-    sizes.resize(n);
-    masses.resize(n);
-    ancestors.resize(n);
+    for_each_kind([&](auto& values) { values.resize(n); });
   }
 };
 
@@ -66,12 +68,13 @@ struct FlowPoints {
   std::vector<double> volumes, masses;     ///< [m3], [kg]
   std::vector<double> volumes_at_start;    ///< of the same mass [m3]; empty where it is not asked for
 
+  /// Calls f with the values of each kind.
+  template <class F>
+  void for_each_kind(F f) {
+    f(places), f(velocities), f(volumes), f(masses), f(volumes_at_start);
+  }
   void resize(std::size_t n) {
-    places.resize(n);
-    velocities.resize(n);
-    volumes.resize(n);
-    masses.resize(n);
-    volumes_at_start.resize(n);
+    for_each_kind([&](auto& values) { values.resize(n); });
   }
 };
 

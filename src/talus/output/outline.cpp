@@ -29,8 +29,8 @@ class ConnectedRange {
  public:
   ConnectedRange(const Stretch& domain, double width)
       : width_(width), per_width_(1 / width), least_(domain.low - width), most_(domain.high + width) {
-    constexpr long around =
-        5;  // strips on either side of the domain: one may have centres, `range` looks three farther
+    // Strips on either side of the domain: one may have centres, `range` looks three farther.
+    constexpr long around = 5;
     first_ = strip_of(domain.low) - around;
     strips_.resize(std::size_t(strip_of(domain.high) + around + 1 - first_));
   }
@@ -122,9 +122,10 @@ OutlineFinder::OutlineFinder(const Case& case_, const ParticlePlaces& start)
   for (const Vec<3>& x : start.places) axis_ = axis_ + (1.0 / double(start.places.size())) * x;
   if (axisymmetric_) axis_ = {};
   start_.resize(start.sizes.size());
-  for (std::size_t i = 0; i < start_.size(); ++i)
-    start_.at(start.ancestors.empty() ? i : std::size_t(start.ancestors[i])) = {
-        start.sizes[i] / 2, start.masses.empty() ? 1 : start.masses[i]};
+  for (std::size_t i = 0; i < start_.size(); ++i) {
+    const std::size_t id = start.ancestors.empty() ? i : std::size_t(start.ancestors[i]);
+    start_.at(id) = {start.sizes[i] / 2, start.masses.empty() ? 1 : start.masses[i]};
+  }
   for (int a = 0; a < case_.dim - 1; ++a) {  // the axis of a body that a plane of symmetry cuts lies in the plane
     const bool low = case_.walls[2 * a].kind == WallKind::symmetry,
                high = case_.walls[2 * a + 1].kind == WallKind::symmetry;

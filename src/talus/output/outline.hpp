@@ -71,7 +71,7 @@ class OutlineFinder {
   Vec<3> axis_;
   double angle_;  ///< around the axis that the domain holds, not in plane strain [rad]
   struct AtStart {
-    double half_size, mass;
+    double half_size, mass;  ///< [m], [kg]
   };
   std::vector<AtStart> start_;  ///< particles at the start, by their ids
 };
