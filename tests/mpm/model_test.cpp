@@ -48,11 +48,12 @@ TEST(Model, TilesWhoseWindowsOthersNeedAreFilledFirstAndTheRestWhileTheseAreOnTh
     Model<2, Quadratic> model(unit_cells<2>(48), {}, std::move(bodies), {}, pure_flip(), backend);
     arrange(model);
     std::vector<int> first, later;
-    model.fill_windows(model.grid.momentum_windows, [&](int t, int) {
+    // A window begins one node below its tile: there it adds to the last node of the tile before.
+    const int number = TileLayout<2, Quadratic>::window({0, 1}),
+              last = TileLayout<2, Quadratic>::node({tile_edge - 1, 0});
+    model.fill_windows(model.grid.momentum, [&](int t, int, MassMomentum* window) {
       (backend.is_under_way() ? later : first).push_back(t);
-      if (!model.has_particles(t)) return;
-      clear_window<2, Quadratic>(model.grid.momentum_windows.of(t));
-      model.grid.momentum_windows.of(t)[0].mass = double(model.halo.number[std::size_t(t)]);
+      if (model.has_particles(t)) window[number].mass = 1 + double(model.halo.number[std::size_t(t)]);
     });
     EXPECT_EQ(first, tiles_to_send(model.halo));
     EXPECT_EQ(first.size(), 3u) << "as many as there are rings";
@@ -62,12 +63,31 @@ TEST(Model, TilesWhoseWindowsOthersNeedAreFilledFirstAndTheRestWhileTheseAreOnTh
     std::vector<int> each_once(std::size_t(model.grid.n_tiles()));
     std::iota(each_once.begin(), each_once.end(), 0);
     EXPECT_EQ(all, each_once);
-    model.over_nodes(model.grid.momentum_windows, model.grid.momentum, true,
-                     [](int, const MassMomentum*, TileSums&) {});
+    model.over_nodes(model.grid.momentum, [](int, TileSums&) {});
     EXPECT_FALSE(backend.is_under_way());
-    for (int t = 0; t < model.grid.n_occupied(); ++t)
-      EXPECT_EQ(model.grid.momentum_windows.of(t)[0].mass, double(model.halo.number[std::size_t(t)]));
+    for (int t = 0; t < model.grid.n_occupied(); ++t) {
+      if (!model.needs_nodes(t)) continue;
+      const int next = model.grid.tile(t).neighbours[neighbour_at<2>({1, 0})];
+      const double expected = next >= 0 ? 1 + double(model.halo.number[std::size_t(next)]) : 0;
+      EXPECT_EQ(model.grid.momentum.of(t)[last].mass, expected);
+    }
   });
+}
+
+TEST(Model, AWindowLeftOpenByAnErrorHoldsNothingForTheNextTile) {
+  SmallModel<> small(unit_cells<2>(16), {{5, 6}});
+  auto& m = small.model;
+  arrange(m);
+  EXPECT_THROW(m.fill_windows(m.grid.momentum,
+                              [](int, int, MassMomentum* window) {
+                                window[24].mass = 1;
+                                throw std::runtime_error("an error");
+                              }),
+               std::runtime_error);
+  m.fill_windows(m.grid.momentum, [](int, int, MassMomentum*) {});
+  m.over_nodes(m.grid.momentum, [](int, TileSums&) {});
+  for (int t = 0; t < m.grid.n_tiles(); ++t)
+    for (int i = 0; i < 16; ++i) EXPECT_EQ(m.grid.momentum.of(t)[i].mass, 0);
 }
 
 TEST(Model, KnowsWhatItsBodiesHaveAtTheStart) {

@@ -72,15 +72,14 @@ TYPED_TEST(MirroringWalls, AnImageGivesItsMomentumToItsOriginalTurnedRound) {
   for (const WallKind wall : {WallKind::slip, WallKind::no_slip}) {
     Corner<Shape> corner({WallKind::open, WallKind::open, wall, WallKind::open});
     auto& grid = corner.grid;
-    clear_window<2, Shape>(grid.momentum_windows.of(0));
+    WindowOf<2, Shape, MassMomentum> window(MassMomentum{});
     Quad value(0.0);  // momentum (3, 5), mass 2
     value.set(0, 3);
     value.set(1, 5);
     value.set(3, 2);
     const double y = 0.2;
-    scatter(WeightsAt<2, Shape>({2.0, y}).weights(), value, grid.momentum_windows.of(0));
-    for (int t = 0; t < grid.n_tiles(); ++t)
-      add_windows<2, Shape>(grid.tiles(), t, grid.momentum_windows.data(), grid.momentum.of(t));
+    scatter(WeightsAt<2, Shape>({2.0, y}).weights(), value, window.data());
+    for (int t = 0; t < grid.n_tiles(); ++t) add_windows<2, Shape>(grid.tiles(), t, window.data(), grid.momentum.of(t));
     corner.walls.fold(*corner.backend, grid.momentum.data());
     // node (2, 1): along y its own N(y - 1) and the image's N(y + 1)
     const MassMomentum& sum = grid.momentum.of(0)[TileLayout<2, Shape>::node({2, 1})];

@@ -183,6 +183,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
   }
   m.walls.emplace(m.domain, tiles);
   m.grid.set_tiles(std::move(tiles), std::move(run.cells));
+  m.windows.rest_on(m.grid.tiles(), m.grid.n_tiles(), m.backend);
   m.contacts.assign(std::size_t(m.grid.n_tiles()), {});
   m.rests.assign(m.lets_ground_rest() ? std::size_t(m.grid.n_tiles()) : 0, {});
   m.accounts.assign(std::size_t(m.grid.n_tiles()), {});

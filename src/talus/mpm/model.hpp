@@ -19,6 +19,7 @@
 #include "talus/mpm/kernel/mass_and_momentum.hpp"
 #include "talus/mpm/room.hpp"
 #include "talus/mpm/walls.hpp"
+#include "talus/mpm/windows.hpp"
 
 namespace talus {
 
@@ -98,6 +99,7 @@ struct Model {
         most_room(volumes_per_mass(bodies, where)),
         contact_finder(box, std::move(solids), unit_weight_of(bodies, most_room, g, where)),
         rooms(box, bodies.front().shape),
+        windows(where.n_workers()),
         scratch(std::size_t(where.n_workers())) {
     for (double& room : most_room) room *= loosest;
     for (const auto& body : bodies) {
@@ -123,6 +125,7 @@ struct Model {
 
   // What follows from how particles are arranged (arrangement.hpp).
   Grid<Dim, Shape> grid;
+  Windows<Dim, Shape> windows;
   Halo halo;
   AddingOrder adding_order;  ///< if there are several owners
   std::optional<Walls<Dim>> walls;
@@ -146,14 +149,45 @@ struct Model {
   /// Particles over those at the start that splitting may make; beyond, nothing is split.
   static constexpr long growth = 4;
 
-  /// Runs f(tile, worker) for every tile, which fills the windows of those with particles. Tiles whose windows other owners
-  /// need come first; these are on their way while the others are computed.
-  template <class Windows, class F>
-  void fill_windows(const Windows& windows, F f) {
-    if (backend.n_owners() == 1) return backend.for_each(all_tiles, f);
-    backend.for_each(border, f);
-    begin_exchange(backend, halo, windows);
-    backend.for_each(inside, f);
+  /// Runs f(tile, worker, window) for every tile, which adds what its particles give to nodes to its window. Sums at `nodes` are
+  /// known after `finish_windows`. Tiles whose windows other owners need come first; these are on their way while the others
+  /// are computed.
+  template <class Nodes, class F>
+  void fill_windows(Nodes& nodes, F f) {
+    using Node = typename Nodes::Value;
+    windows.begin();
+    const auto fill = [&](const SharedOut& tiles, bool keeps) {
+      backend.for_each(tiles, [&](int t, int worker) {
+        try {
+          f(t, worker, windows.template open<Node>(worker));
+        } catch (...) {
+          windows.template clear<Node>(worker);
+          throw;
+        }
+        if (has_particles(t)) windows.add(t, worker, nodes.data(), keeps);
+      });
+    };
+    if (backend.n_owners() == 1) return fill(all_tiles, false);
+    fill(border, true);
+    begin_exchange(backend, halo, windows.template kept<Node>());
+    fill(inside, false);
+  }
+  /// Waits for what is on its way.
+  template <class Node>
+  void finish_exchange() {
+    auto kept = windows.template kept<Node>();
+    talus::finish_exchange(backend, halo, kept);
+  }
+  /// Ends the sums at the nodes of the tiles that this owner needs, or `of_all` that it holds. Runs f(t) for every such tile,
+  /// while its sums are in the cache.
+  template <class Nodes, class F>
+  void finish_windows(Nodes& nodes, bool of_all, F f) {
+    finish_exchange<typename Nodes::Value>();
+    backend.for_each(all_tiles, [&](int t, int) {
+      if (!of_all && !needs_nodes(t)) return;
+      windows.finish(t, nodes.data());
+      f(t);
+    });
   }
 
   /// Runs f(tile, worker, sums) for every tile and returns the sums.
@@ -163,12 +197,11 @@ struct Model {
     backend.for_each(all_tiles, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
     return sums;
   }
-  /// The same for an f that fills windows, unless they are null.
-  template <class Windows, class F>
-  SumsByTile over_tiles(const Windows* windows, F f) {
-    if (!windows) return over_tiles(f);
+  /// The same for f(tile, worker, sums, window), see `fill_windows`.
+  template <class Nodes, class F>
+  SumsByTile over_tiles(Nodes& nodes, F f) {
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    fill_windows(*windows, [&](int t, int worker) { f(t, worker, sums[std::size_t(t)] = {}); });
+    fill_windows(nodes, [&](int t, int worker, auto* window) { f(t, worker, sums[std::size_t(t)] = {}, window); });
     return sums;
   }
 
@@ -202,11 +235,11 @@ struct Model {
   }
   /// Whether a tile is left out of steps because its material rests.
   bool is_left_out(int t) const { return !rests.empty() && rests[std::size_t(t)].is_left_out(); }
-  /// Makes room for the velocities that particles interpolate from the nodes; what windows hold is lost.
+  /// Makes room for the velocities that particles interpolate from the nodes.
   void make_room_for_grid_velocities() {
     std::size_t n = 0;
     for (const auto& body : bodies) n += Dim * std::size_t(body.particles.size());
-    double* room = grid.template room_behind_windows<double>(grid.template bytes_of_windows<MassMomentum>(), n);
+    double* room = grid.template room_for_particles<double>(0, n);
     for (auto& body : bodies) {
       body.grid_velocity = room;
       room += Dim * std::size_t(body.particles.size());
@@ -231,24 +264,21 @@ struct Model {
     auto& list = contacts[std::size_t(t)];
     return {list.data(), int(list.size())};
   }
-  /// Adds up at nodes what all windows hold, images included. Then runs f(tile, its nodal sums, sums) for every tile whose
-  /// nodes this owner needs: away from walls at once, as long as they are in the cache. `nodes` keeps those of tiles near
-  /// walls, or `of_all` tiles. Returns the sums.
-  template <class Windows, class Nodes, class F>
-  SumsByTile over_nodes(Windows& windows, Nodes& nodes, bool of_all, F f) {
-    finish_exchange(backend, halo, windows);
+  /// Ends the sums at nodes of what all windows hold, images included. Then runs f(tile, sums) for every tile whose nodes this
+  /// owner needs: away from walls at once. Returns the sums over tiles.
+  template <class Nodes, class F>
+  SumsByTile over_nodes(Nodes& nodes, F f) {
+    finish_exchange<typename Nodes::Value>();
     SumsByTile sums(std::size_t(grid.n_tiles()));
     backend.for_each(all_tiles, [&](int t, int) {
       TileSums& of_tile = sums[std::size_t(t)] = {};
-      const bool needs = needs_nodes(t), near_wall = walls->near_wall(t);
-      if (!needs && !of_all) return;
-      typename Nodes::Value not_kept[Nodes::n];
-      typename Nodes::Value* const of_nodes = of_all || near_wall ? nodes.of(t) : not_kept;
-      talus::add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), of_nodes);
-      if (needs && !near_wall) f(t, of_nodes, of_tile);
+      const bool needs = needs_nodes(t);
+      if (!needs && !has_solids()) return;
+      windows.finish(t, nodes.data());
+      if (needs && !walls->near_wall(t)) f(t, of_tile);
     });
     walls->fold(backend, nodes.data());
-    walls->for_each_tile(backend, [&](int t) { f(t, nodes.of(t), sums[std::size_t(t)]); });
+    walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });
     return sums;
   }
   /// The nodes that particles of a tile touch.

@@ -76,7 +76,7 @@ class Stepper final : public Simulation {
   long n_particles() const override { return model_.n_particles; }
   long n_tiles() const override { return model_.grid.n_tiles(); }
   std::size_t bytes() const override {
-    std::size_t b = model_.grid.bytes();
+    std::size_t b = model_.grid.bytes() + model_.windows.bytes();
     for (const auto& body : model_.bodies) b += body.particles.columns().bytes();
     for (const TileRest& rest : model_.rests) b += rest.bytes();
     return b;
@@ -106,6 +106,7 @@ class Stepper final : public Simulation {
     if (!broken_) {
       need_momentum();
       find_node_velocities(model_, between_steps());
+      has_momentum_ = false;
     }
     return talus::observe(model_, ledger_.time, ledger_.step, broken_, fields);
   }
@@ -187,7 +188,7 @@ class Stepper final : public Simulation {
     tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
     expect_inside(of_motion);
     if (!is_expected && carried_.drift <= largest_drift) return;
-    if (has_momentum_) finish_exchange(model_.backend, model_.halo, model_.grid.momentum_windows);
+    if (has_momentum_) model_.template finish_exchange<MassMomentum>();
     has_momentum_ = false;
     rearrange(step.dt);
   }
@@ -305,7 +306,7 @@ class Stepper final : public Simulation {
   double finite_wave_speed_ = 0;         ///< of the step before [m/s], for messages
   double load_acceleration_ = 0;         ///< the most that loads could give to a particle [m/s2]
   std::vector<Stiffening> stiffenings_;  ///< of squared wave speed where grains meet without stress, one a body
-  bool has_momentum_ = false;            ///< windows hold that of particles as they are now
+  bool has_momentum_ = false;            ///< nodes are given that of particles as they are now
   bool broken_ = false;                  ///< particles may stand anywhere
 };
 

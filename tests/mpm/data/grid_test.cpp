@@ -13,8 +13,8 @@
 
 namespace talus::grid_test {
 
-/// Points scattered over a few tiles, also on cell faces and astray, with what they scatter added up node by node
-/// without tiles.
+/// Points scattered over a few tiles, also on cell faces and astray, and what they scatter: the windows of their tiles added up
+/// at nodes, and node by node without tiles.
 template <int Dim, class Shape>
 struct Scattered {
   using Layout = TileLayout<Dim, Shape>;
@@ -34,9 +34,9 @@ struct Scattered {
       ranges.push_back(all_cells<Dim>());
     }
     grid.set_tiles(tiles_around<Dim, Shape>(places, ranges, {}, *make_serial()), ranges);
+    std::vector<MassMomentum> windows(places.size() * Layout::n_window, node_of<MassMomentum>(Quad(rubbish)));
     for (std::size_t t = 0; t < places.size(); ++t) {
-      MassMomentum* window = grid.momentum_windows.of(int(t));
-      for (int i = 0; i < Layout::n_window; ++i) window[i] = node_of<MassMomentum>(Quad(rubbish));
+      MassMomentum* window = windows.data() + t * Layout::n_window;
       clear_window<Dim, Shape>(window);
       for (int point = 0; point < 40; ++point) {
         Vec<Dim> x;
@@ -63,7 +63,7 @@ struct Scattered {
     }
     for (int t = 0; t < grid.n_tiles(); ++t) {
       for (int i = 0; i < Layout::n_nodes; ++i) grid.momentum.of(t)[i] = node_of<MassMomentum>(Quad(rubbish));
-      add_windows<Dim, Shape>(grid.tiles(), t, grid.momentum_windows.data(), grid.momentum.of(t));
+      add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), grid.momentum.of(t));
     }
   }
 };
@@ -178,13 +178,13 @@ TEST(TilesAround, AllWorkersTogetherFindEveryNeighbour) {
   }
 }
 
-TEST(Grid, HoldsNodesForEveryTileAndWindowsForTheOccupiedOnesOnly) {
+TEST(Grid, HoldsNodesForEveryTile) {
   Grid<2, Quadratic> grid;
   grid.set_tiles(tiles_at<2, Quadratic>({{0, 0}}), {all_cells<2>()});
   EXPECT_EQ(grid.n_tiles(), 9);
   EXPECT_EQ(grid.n_occupied(), 1);
-  // 4 fields on 9 tiles of 16 nodes and a window of 7 x 7 nodes, 32 bytes each, and some more for a grid that grows
-  const std::size_t needed = (4 * 9 * 16 + 49) * 32;
+  // 5 fields on 9 tiles of 16 nodes, 32 bytes each, and some more for a grid that grows
+  const std::size_t needed = 5 * 9 * 16 * 32;
   EXPECT_GE(grid.bytes(), needed);
   EXPECT_LT(grid.bytes(), needed * 17 / 16 + 2 * 64 + 16 * sizeof(Tile<2>));
   EXPECT_EQ(grid.velocity.of(1) - grid.velocity.of(0), 16);
@@ -198,14 +198,14 @@ TEST(Grid, HasAboutTheMemoryThatItsTilesNeedWhenTheyBecomeMore) {
     places.push_back({i, 0, 0});
     const std::vector<CellRange<3>> cells(places.size(), all_cells<3>());
     grid.set_tiles(tiles_around<3, Quadratic>(places, cells, {}, *make_serial()), cells);
-    const double nodes = 4.0 * grid.n_tiles() * 64, windows = 343.0 * grid.n_occupied();
-    EXPECT_LT(double(grid.bytes()), 1.07 * 32 * (nodes + windows) + 2.0 * sizeof(Tile<3>) * grid.n_tiles() + 128);
+    const double nodes = 5.0 * grid.n_tiles() * 64;
+    EXPECT_LT(double(grid.bytes()), 1.07 * 32 * nodes + 2.0 * sizeof(Tile<3>) * grid.n_tiles() + 128);
   }
 }
 
-/// 192 bytes: more than a node has in a run.
+/// 256 bytes: more than a node has in a run.
 struct alignas(64) Wide {
-  double numbers[24];
+  double numbers[32];
 };
 
 TEST(Grid, LendsTheRoomOfItsArraysAndHasThemAllAgainAfterwards) {
@@ -213,32 +213,33 @@ TEST(Grid, LendsTheRoomOfItsArraysAndHasThemAllAgainAfterwards) {
   grid.set_tiles(tiles_at<3, Quadratic>({{0, 0, 0}}), {all_cells<3>()});
   const int n = 27 * 64;
   auto nodes = grid.in_room_of_nodes<Wide>();
-  auto windows = grid.in_room_of_windows<Wide>();
   std::fill_n(nodes.data(), n, Wide{});  // up to the last number
-  std::fill_n(windows.data(), 343, Wide{});
   const std::size_t bytes = grid.bytes();
-  EXPECT_GE(bytes, (n + 343) * sizeof(Wide));
-  // Arrays behind one another, which do not overlap, but for those of which one is in use at a time.
+  EXPECT_GE(bytes, n * sizeof(Wide));
+  // Arrays behind one another, which do not overlap.
   const auto number = [](const auto* node) { return reinterpret_cast<const double*>(node); };
-  EXPECT_EQ(number(grid.velocity.data()) - number(grid.momentum.data()), 4 * n);
   EXPECT_EQ(number(grid.acceleration.data()) - number(grid.velocity.data()), 4 * n);
-  EXPECT_EQ(number(grid.new_velocity.data()) - number(grid.acceleration.data()), 4 * n);
-  EXPECT_EQ(number(grid.force.data()), number(grid.momentum.data()));
-  EXPECT_EQ(number(grid.force_windows.data()), number(grid.momentum_windows.data()));
+  EXPECT_EQ(number(grid.force.data()) - number(grid.acceleration.data()), 4 * n);
+  EXPECT_EQ(number(grid.new_velocity.data()) - number(grid.force.data()), 4 * n);
+  EXPECT_EQ(number(grid.momentum.data()) - number(grid.new_velocity.data()), 4 * n);
+  EXPECT_EQ(number(grid.momentum.data()) - number(grid.velocity.data()), n * int(grid.bytes_before_momentum / 8));
   // Narrow values have room behind one another, in no more memory.
   auto first = grid.in_room_of_nodes<double>(), second = grid.in_room_of_nodes<double>(sizeof(double));
   EXPECT_EQ(second.data() - first.data(), n);
-  EXPECT_EQ(number(first.data()), number(grid.momentum.data()));
+  EXPECT_EQ(number(first.data()), number(grid.velocity.data()));
   EXPECT_EQ(grid.bytes(), bytes);
-  // Numbers of particles lie behind the windows of forces; as many as fit there need no more memory.
-  const std::size_t of_forces = grid.bytes_of_windows<ForceStiffness>();
-  const double* behind = grid.room_behind_windows<double>(of_forces, 4 * 343);
-  EXPECT_EQ(behind - number(grid.force_windows.data()), 4 * 343);
-  EXPECT_EQ(grid.bytes(), bytes);
-  double* many = grid.room_behind_windows<double>(of_forces, 100'000);
+}
+
+TEST(Grid, LendsRoomForNumbersOfParticles) {
+  Grid<3, Quadratic> grid;
+  grid.set_tiles(tiles_at<3, Quadratic>({{0, 0, 0}}), {all_cells<3>()});
+  const std::size_t of_nodes = grid.bytes();
+  double* many = grid.room_for_particles<double>(800, 100'000);
   std::fill_n(many, 100'000, 1.0);
-  EXPECT_EQ(many - number(grid.momentum_windows.data()), 4 * 343);
-  EXPECT_EQ(number(grid.force_windows.data()), number(grid.momentum_windows.data()));
+  const std::size_t bytes = grid.bytes();
+  EXPECT_GE(bytes, of_nodes + 800 + 800'000);
+  EXPECT_EQ(many - grid.room_for_particles<double>(0, 100), 100) << "behind others";
+  EXPECT_EQ(grid.bytes(), bytes);
 }
 
 }  // namespace talus::grid_test

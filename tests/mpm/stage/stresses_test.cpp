@@ -20,7 +20,7 @@ TEST(StageOfStresses, AStretchedPairPullsItselfTogether) {
   find_node_velocities(m, step);
   const TileSums sums = m.add_up(update_stresses(m, step));
   EXPECT_GT(sums[Sum::elastic], 0);
-  m.over_nodes(m.grid.force_windows, m.grid.force, true, [](int, const ForceStiffness*, TileSums&) {});
+  m.over_nodes(m.grid.force, [](int, TileSums&) {});
   double force[2] = {0, 0};
   for (int t = 0; t < m.grid.n_tiles(); ++t)
     for (int i = 0; i < 16; ++i)

@@ -27,7 +27,6 @@ TEST(Velocities, NodesHaveTheMassAndMomentumOfTheParticlesAcrossTiles) {
   }
   add_momentum(m);
   find_node_velocities(m, {0, 0, 1, 1e-12});
-  m.over_nodes(m.grid.momentum_windows, m.grid.momentum, true, [](int, const MassMomentum*, TileSums&) {});
   EXPECT_NEAR(over_nodes(m, m.grid.momentum, [](const MassMomentum& n) { return n.mass; }), 6, 1e-14);
   EXPECT_NEAR(over_nodes(m, m.grid.momentum, [](const MassMomentum& n) { return n.momentum[0]; }), 12, 1e-14);
   EXPECT_NEAR(over_nodes(m, m.grid.velocity, [](const MassVelocity& n) { return n.mass * n.velocity[0]; }), 12, 1e-14);

@@ -91,7 +91,7 @@ std::vector<Tile<Dim>> tiles_around(const std::vector<Index<Dim>>& occupied, con
   return tiles;
 }
 
-/// Values of the nodes or cells of each tile, or of its window, in memory of somebody else.
+/// Values of the nodes or cells of each tile, in memory of somebody else.
 template <class Node, int per_tile>
 class TileArrayView {
  public:
@@ -132,39 +132,33 @@ class Room {
   std::size_t bytes_ = 0;
 };
 
-/// The tiles and their arrays. All nodal arrays lie in one room and all windows in another: the grid owns both, and no value
-/// in them outlives the following.
+/// The tiles and their arrays. All nodal arrays lie in one room, and numbers of particles that a step or less needs in another:
+/// the grid owns both, and no value in them outlives the following.
 ///
 /// | room | from | to | holds |
 /// |---|---|---|---|
-/// | windows | particles give momentum | nodes have added it up | momentum |
-/// | windows | stresses are updated | nodes have added up forces | forces |
-/// | windows | particles are filtered or shifted | nodes have added up moments or volumes | moments, volumes |
-/// | windows | particles are split and merged | the same | particles in cells |
-/// | windows, behind those of momentum | nodes have added up moments | particles are filtered | moments at walls, of particles |
-/// | windows, behind those of moments | nodes have added up moments | fits are known | second moments at walls |
-/// | windows, behind momentum and forces | stresses are updated | particles have moved | velocities of the grid at particles |
-/// | nodes, first quarter | momentum is added up | stresses are updated | momentum near walls, or with solids |
-/// | nodes, first quarter | forces are added up | particles have moved | forces near walls, or with solids |
+/// | nodes, fifth array | particles give momentum | stresses are updated | momentum |
+/// | nodes, third array | stresses are updated | particles have moved | forces |
 /// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
-/// | nodes | particles are filtered or shifted | the same | moments and fits, volumes |
+/// | nodes, up to the fourth array | particles are filtered | the same | moments and fits |
+/// | nodes, behind these | the same | fits are known | sums of moments |
+/// | nodes | particles are shifted | the same | volumes |
+/// | particles | stresses are updated | particles have moved | velocities of the grid at particles |
+/// | particles | nodes have added up moments | particles are filtered | moments at walls |
+/// | particles | particles are split and merged | the same | particles in cells |
 template <int Dim, class Shape>
 class Grid {
  public:
   using Layout = TileLayout<Dim, Shape>;
   template <class Node>
   using Nodes = TileArrayView<Node, Layout::n_nodes>;
-  /// Contributions of the particles of each occupied tile to the nodes in reach.
-  template <class Node>
-  using Windows = TileArrayView<Node, Layout::n_window>;
 
-  Nodes<MassMomentum> momentum;      ///< m_I and m_I v_I, from the particles, where walls or solids need them
-  Nodes<ForceStiffness> force;       ///< f_I of stress and loads, in the place of `momentum`, likewise
   Nodes<MassVelocity> velocity;      ///< v_I at the start of the step
   Nodes<Acceleration> acceleration;  ///< a_I
+  Nodes<ForceStiffness> force;       ///< f_I of stress and loads
   Nodes<MassVelocity> new_velocity;  ///< v_I at the end of the step, where a stage needs it
-  Windows<MassMomentum> momentum_windows;
-  Windows<ForceStiffness> force_windows;  ///< in the place of `momentum_windows`
+  Nodes<MassMomentum> momentum;      ///< m_I and m_I v_I, from the particles; behind what particles are filtered with
+  static constexpr std::size_t bytes_before_momentum = 4 * sizeof(MassMomentum);  ///< a node
 
   int n_tiles() const { return int(tiles_.size()); }
   int n_occupied() const { return int(cells_.size()); }
@@ -173,12 +167,11 @@ class Grid {
   /// Of every occupied tile.
   const std::vector<CellRange<Dim>>& cells() const { return cells_; }
 
-  /// Sets the tiles, the occupied ones first. Values of nodes and windows are lost.
+  /// Sets the tiles, the occupied ones first. All values are lost.
   void set_tiles(std::vector<Tile<Dim>> tiles, std::vector<CellRange<Dim>> cells) {
     tiles_ = std::move(tiles);
     cells_ = std::move(cells);
-    make_room_for_nodes(4 * sizeof(MassMomentum));
-    make_room_for_windows(bytes_of_windows<MassMomentum>());
+    make_room_for_nodes(bytes_before_momentum + sizeof(MassMomentum));
   }
 
   /// Values of another kind at all nodes, in the room of the nodal arrays, whose values are lost: behind `bytes_before`
@@ -188,27 +181,15 @@ class Grid {
     make_room_for_nodes(bytes_before + sizeof(Node));
     return Nodes<Node>(nodes_.at<Node>(bytes_before * n_nodes()));
   }
-  /// The same for windows.
-  template <class Node>
-  Windows<Node> in_room_of_windows() {
-    make_room_for_windows(bytes_of_windows<Node>());
-    return Windows<Node>(windows_.at<Node>(0));
-  }
-
-  /// Bytes that windows of these nodes take.
-  template <class Node>
-  std::size_t bytes_of_windows() const {
-    return sizeof(Node) * cells_.size() * Layout::n_window;
-  }
-  /// Room for values behind so many bytes of windows, whose values are lost.
+  /// Room for values of particles behind so many bytes of others. All are lost if it has to be enlarged.
   template <class Value>
-  Value* room_behind_windows(std::size_t bytes_before, std::size_t n_values) {
-    make_room_for_windows(bytes_before + n_values * sizeof(Value));
-    return windows_.at<Value>(bytes_before);
+  Value* room_for_particles(std::size_t bytes_before, std::size_t n_values) {
+    of_particles_.enlarge(bytes_before + n_values * sizeof(Value));
+    return of_particles_.at<Value>(bytes_before);
   }
 
   /// Bytes held.
-  std::size_t bytes() const { return nodes_.bytes() + windows_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
+  std::size_t bytes() const { return nodes_.bytes() + of_particles_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
 
  private:
   std::size_t n_nodes() const { return tiles_.size() * Layout::n_nodes; }
@@ -217,21 +198,16 @@ class Grid {
     const auto place = [&]<class Node>(Nodes<Node>& array, std::size_t number) {
       array = Nodes<Node>(nodes_.template at<Node>(number * sizeof(Node) * n_nodes()));
     };
-    place(momentum, 0);
-    place(force, 0);
-    place(velocity, 1);
-    place(acceleration, 2);
+    place(velocity, 0);
+    place(acceleration, 1);
+    place(force, 2);
     place(new_velocity, 3);
-  }
-  void make_room_for_windows(std::size_t bytes) {
-    windows_.enlarge(bytes);
-    momentum_windows = Windows<MassMomentum>(windows_.at<MassMomentum>(0));
-    force_windows = Windows<ForceStiffness>(windows_.at<ForceStiffness>(0));
+    place(momentum, 4);
   }
 
   std::vector<Tile<Dim>> tiles_;
   std::vector<CellRange<Dim>> cells_;
-  Room nodes_, windows_;
+  Room nodes_, of_particles_;
 };
 
 }  // namespace talus

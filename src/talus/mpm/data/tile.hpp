@@ -2,9 +2,8 @@
 /// Tiles of the background grid and the numbering of their nodes.
 ///
 /// A tile is a cube of `tile_edge` cells along each axis and owns as many nodes. Its particles touch nodes of
-/// neighbouring tiles too, so a tile scatters into an array of its own that covers those as well (its window);
-/// afterwards every node adds up the windows it lies in, always in the same order. No two threads ever write the same
-/// number, and the sums do not depend on how many threads there are.
+/// neighbouring tiles too, so they add to an array that covers those as well, the window of the tile, which is then added at
+/// the nodes of the tiles around (windows.hpp).
 
 #include <type_traits>
 #include <utility>
@@ -126,6 +125,15 @@ TALUS_HD void clear_window(Node* window) {
   for (int i = 0; i < TileLayout<Dim, Shape>::n_window; ++i) window[i] = Node{};
 }
 
+/// Adds the window of a tile's neighbour at the tile's nodes, `sums`. The number of the neighbour is known to the compiler,
+/// and so is how often loops run.
+template <int neighbour, int Dim, class Shape, class Node>
+TALUS_INLINE TALUS_HD void add_part(const Node* window, Node* sums) {
+  constexpr Index<Dim> offset = offset_of<Dim>(neighbour);
+  detail::for_each_shared<Dim, Shape>(
+      offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
+}
+
 /// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours.
 /// `windows`: those of all tiles, one after the other.
 template <int Dim, class Shape, class Node>
@@ -135,10 +143,7 @@ TALUS_FLATTEN TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Nod
   const auto add = [&]<int neighbour>(std::integral_constant<int, neighbour>) {
     const int other = tiles[t].neighbours[neighbour];
     if (other < 0 || !tiles[other].occupied) return;
-    const Node* window = windows + std::size_t(other) * Layout::n_window;
-    constexpr Index<Dim> offset = offset_of<Dim>(neighbour);  // known to the compiler, and so is how often loops run
-    detail::for_each_shared<Dim, Shape>(
-        offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
+    add_part<neighbour, Dim, Shape>(windows + std::size_t(other) * Layout::n_window, sums);
   };
   [&]<int... neighbours>(std::integer_sequence<int, neighbours...>) {
     (add(std::integral_constant<int, neighbours>()), ...);

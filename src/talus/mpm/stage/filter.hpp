@@ -16,20 +16,20 @@ struct FilterCost {
   TileSums particles;  ///< as they are now; `wall_impulse` of walls that mirror
 };
 
-/// Moments around nodes and, in their place, fits; valid during a filtering, in the rooms of the grid's arrays, whose values
-/// are lost.
+/// Moments around nodes and, in their place, fits; valid during a filtering, in the rooms of the grid, whose values are
+/// lost.
 template <int Dim, class Shape>
 class VelocityFilter {
  public:
   using Layout = TileLayout<Dim, Shape>;
 
-  /// Leaves `share` of what is to be left out. Then particles have given their momentum to their windows anew.
+  /// Leaves `share` of what is to be left out. Then particles have given their momentum anew.
   FilterCost apply(Model<Dim, Shape>& m, const StepInput& step, double share) {
     if (m.contact_finder.any()) find_node_velocities(m, step);  // finds which contacts hold
     const SumsByTile contacts = find_fits(m, step, share);
     if (m.has_solids()) add_up_over_columns(m);
     m.walls->extend(m.backend, fits_.data());
-    const SumsByTile particles = m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
+    const SumsByTile particles = m.over_tiles(m.grid.momentum, [&](int t, int, TileSums& sums, MassMomentum* window) {
       if (m.walls->near_wall(t)) {
         sums.add(Sum::wall_impulse, share * gain_of(m, t));
         add_gain_of_mirrors(m, t, share);
@@ -41,7 +41,7 @@ class VelocityFilter {
       if (!m.is_left_out(t))
         m.for_each_body(t, [&](auto&, const auto& points) { filter_velocities(points, m.domain, fits, share); });
       add_up_particles_of_tile(m, t, sums);
-      add_momentum_of_tile(m, t);
+      add_momentum_of_tile(m, t, window);
     });
     const auto [of_contacts, of_particles] = m.add_up(contacts, particles);
     return {of_contacts, of_particles};
@@ -73,42 +73,34 @@ class VelocityFilter {
     return sums;
   }
   void make_room(Model<Dim, Shape>& m) {
+    constexpr std::size_t before = Grid<Dim, Shape>::bytes_before_momentum;
     static_assert(sizeof(FilterFit<Dim>) == sizeof(FirstMoments<Dim>), "fits stand in the place of moments");
+    static_assert(sizeof(FilterFit<Dim>) <= before, "fits are read while momentum is added up");
+    octet_ = m.grid.template in_room_of_nodes<EightMoments>(before);
     first_ = m.grid.template in_room_of_nodes<FirstMoments<Dim>>();
     fits_ = m.grid.template in_room_of_nodes<FilterFit<Dim>>();
-    // Of nodes near walls: the second moments follow the windows of moments, what particles have made those of momentum.
-    const std::size_t n = Layout::n_nodes * std::size_t(m.walls->n_near_walls()),
-                      momentum = m.grid.template bytes_of_windows<MassMomentum>(),
-                      moments = m.grid.template bytes_of_windows<EightMoments>();
-    second_ = m.grid.template room_behind_windows<SecondMoments<Dim>>(
-        std::max(moments, momentum + n * sizeof(MomentumMoments<Dim>)), n);
-    from_particles_ = m.grid.template room_behind_windows<MomentumMoments<Dim>>(momentum, n);
-    windows_ = m.grid.template in_room_of_windows<EightMoments>();
+    const std::size_t n = Layout::n_nodes * std::size_t(m.walls->n_near_walls());
+    from_particles_ = m.grid.template room_for_particles<MomentumMoments<Dim>>(n * sizeof(SecondMoments<Dim>), n);
+    second_ = m.grid.template room_for_particles<SecondMoments<Dim>>(0, n);
   }
   /// Eight of the moments of all nodes. `take(t, second)` gets the second ones of a tile's nodes, if they are among them.
   template <int octet, class Take>
   void find_octet(Model<Dim, Shape>& m, Take take) {
-    m.backend.for_each(m.all_tiles, [&](int t, int) {
-      if (!m.has_particles(t)) return;
-      clear_window<Dim, Shape>(windows_.of(t));
-      if (m.is_left_out(t)) return;
+    m.fill_windows(octet_, [&](int t, int, EightMoments* window) {
+      if (!m.has_particles(t) || m.is_left_out(t)) return;
       m.for_each_body(t, [&](auto&, const auto& points) {
         if constexpr (goes_by_runs<Shape> && 2 * octet + 1 <= Dim)
-          add_filter_moments_in_runs<octet>(points, m.domain, windows_.of(t));
+          add_filter_moments_in_runs<octet>(points, m.domain, window);
         else
-          add_filter_moments<octet>(points, m.domain, windows_.of(t));
+          add_filter_moments<octet>(points, m.domain, window);
       });
     });
-    exchange_windows(m.backend, m.halo, windows_);
-    m.backend.for_each(m.all_tiles, [&](int t, int) {
-      if (!m.needs_nodes(t)) return;
-      EightMoments sums[Layout::n_nodes];
+    m.finish_windows(octet_, false, [&](int t) {
       SecondMoments<Dim> second[Layout::n_nodes];
-      add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), sums);
       for (int i = 0; i < Layout::n_nodes; ++i)
         for (int half : {0, 1}) {
           const int quad = 2 * octet + half;
-          (quad <= Dim ? first_.of(t)[i].quads[quad] : second[i].quads[quad - 1 - Dim]) = sums[i].quads[half];
+          (quad <= Dim ? first_.of(t)[i].quads[quad] : second[i].quads[quad - 1 - Dim]) = octet_.of(t)[i].quads[half];
         }
       take(t, second);
     });
@@ -183,7 +175,7 @@ class VelocityFilter {
 
   typename Grid<Dim, Shape>::template Nodes<FirstMoments<Dim>> first_;  ///< images given to their originals
   typename Grid<Dim, Shape>::template Nodes<FilterFit<Dim>> fits_;      ///< in the place of `first_`
-  typename Grid<Dim, Shape>::template Windows<EightMoments> windows_;
+  typename Grid<Dim, Shape>::template Nodes<EightMoments> octet_;       ///< of moments
   // Of the nodes of tiles near walls.
   SecondMoments<Dim>* second_ = nullptr;            ///< images given to their originals
   MomentumMoments<Dim>* from_particles_ = nullptr;  ///< as particles have made them

@@ -56,11 +56,11 @@ double power_of_loads(Model<Dim, Shape>& m, int t, double time) {
 template <int Dim, class Shape>
 SumsByTile speed_up_particles(Model<Dim, Shape>& m, const StepInput& step) {
   const Quad gravity = m.gravity_at_nodes();
-  return m.over_tiles(&m.grid.momentum_windows, [&](int t, int, TileSums& sums) {
+  return m.over_tiles(m.grid.momentum, [&](int t, int, TileSums& sums, MassMomentum* window) {
     add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     advance_tile<Advance::velocities>(m, t, step, sums);
-    add_momentum_of_tile(m, t);
+    add_momentum_of_tile(m, t, window);
   });
 }
 
@@ -70,7 +70,7 @@ template <int Dim, class Shape>
 SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool gives_momentum) {
   const Quad gravity = m.gravity_at_nodes();
   const bool stress_first = m.numerics.order == Order::usf;
-  return m.over_tiles(gives_momentum ? &m.grid.momentum_windows : nullptr, [&](int t, int worker, TileSums& sums) {
+  const auto move = [&](int t, int worker, TileSums& sums, MassMomentum* window = nullptr) {
     if (stress_first) add_gain_from_walls(m, t, m.grid.force, m.grid.acceleration, gravity, step.dt, sums);
     if (!m.has_particles(t)) return;
     const bool was_left_out = m.is_left_out(t);
@@ -85,8 +85,9 @@ SumsByTile move_particles(Model<Dim, Shape>& m, const StepInput& step, bool give
     }
     add_up_particles_of_tile(m, t, sums);
     if (!m.rests.empty() && !was_left_out) watch_rest(m, t, worker, step, sums);
-    if (gives_momentum && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t);
-  });
+    if (gives_momentum && sums[Sum::faulty] == 0) add_momentum_of_tile(m, t, window);
+  };
+  return gives_momentum ? m.over_tiles(m.grid.momentum, move) : m.over_tiles(move);
 }
 
 }  // namespace talus

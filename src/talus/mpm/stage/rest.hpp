@@ -33,22 +33,21 @@ bool may_rest(const Model<Dim, Shape>& m, int t) {
   return true;
 }
 
-/// Leaves a tile out from now on. Uses its windows.
+/// Leaves a tile out from now on.
 template <int Dim, class Shape>
 void leave_out(Model<Dim, Shape>& m, int t, int worker) {
   constexpr int n = TileLayout<Dim, Shape>::n_window;
   TileRest& rest = m.rests[std::size_t(t)];
-  bool first = true;
+  std::vector<ForceStiffness> force(n, ForceStiffness{});
+  std::vector<MassMomentum> momentum(n, MassMomentum{});
   m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
     const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
     find_present_stress(body, points, s);
-    add_forces_of(m, points, t, s, std::exchange(first, false));
+    add_forces_of(m, points, s, force.data());
   });
-  const ForceStiffness* force = m.grid.force_windows.of(t);
-  rest.force.assign(force, force + n);
-  add_momentum_of_tile(m, t);
-  const MassMomentum* momentum = m.grid.momentum_windows.of(t);
-  rest.momentum.assign(momentum, momentum + n);
+  add_momentum_of_tile(m, t, momentum.data());
+  rest.force = std::move(force);
+  rest.momentum = std::move(momentum);
   rest.state.is_asleep = 1;
 }
 

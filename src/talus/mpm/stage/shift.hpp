@@ -38,14 +38,11 @@ class ParticleShift {
   /// Moves the particles of bodies that flow, but not into solids as they stand at that time. Returns what particles
   /// hold; `averaging`: elastic energy lost where material is opened.
   TileSums apply(Model<Dim, Shape>& m, double time) {
-    windows_ = m.grid.template in_room_of_windows<double>();
     volume_ = m.grid.template in_room_of_nodes<double>();
     filling_ = m.grid.template in_room_of_nodes<double>(sizeof(double));
     crowding_ = m.grid.template in_room_of_nodes<Crowding>(2 * sizeof(double));
-    m.fill_windows(windows_, [&](int t, int worker) { add_volumes_of_tile(m, t, worker); });
-    finish_exchange(m.backend, m.halo, windows_);
-    m.backend.for_each(m.all_tiles,
-                       [&](int t, int) { add_windows<Dim, Shape>(m.grid.tiles(), t, windows_.data(), volume_.of(t)); });
+    m.fill_windows(volume_, [&](int t, int worker, double* window) { add_volumes_of_tile(m, t, worker, window); });
+    m.finish_windows(volume_, true, [](int) {});
     m.walls->fold(m.backend, volume_.data());
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       for (int i = 0; i < Layout::n_nodes; ++i)
@@ -65,17 +62,16 @@ class ParticleShift {
   }
 
  private:
-  void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker) {
+  void add_volumes_of_tile(Model<Dim, Shape>& m, int t, int worker, double* window) {
     if (!m.has_particles(t)) return;
-    clear_window<Dim, Shape>(windows_.of(t));
     for (std::size_t b = 0; b < m.bodies.size(); ++b) {
       const auto points = m.points(m.bodies[b], t);
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       present_volumes(m.bodies[b].law, points.particles, points.range, s);
       if constexpr (goes_by_runs<Shape>)
-        add_volumes_in_runs(points, m.domain, m.most_room[b], s, windows_.of(t));
+        add_volumes_in_runs(points, m.domain, m.most_room[b], s, window);
       else
-        add_volumes(points, m.domain, m.most_room[b], s, windows_.of(t));
+        add_volumes(points, m.domain, m.most_room[b], s, window);
     }
   }
 
@@ -92,7 +88,6 @@ class ParticleShift {
     });
   }
 
-  typename Grid<Dim, Shape>::template Windows<double> windows_;
   typename Grid<Dim, Shape>::template Nodes<double> volume_;      ///< of the particles around nodes [m3]
   typename Grid<Dim, Shape>::template Nodes<double> filling_;     ///< that volume over the room around a node
   typename Grid<Dim, Shape>::template Nodes<Crowding> crowding_;  ///< filling and excess

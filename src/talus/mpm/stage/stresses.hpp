@@ -20,12 +20,10 @@ LoadView view_of(const Body<Dim>& body, int load, const Domain<Dim>& domain, dou
           (l.side % 2 == 0 ? -0.5 : 0.5) * body.spacing / domain.h};
 }
 
-/// f_I of a tile's particles from the rows `flux` and `stiffness` of the scratch; the `first` ones clear the tile's window.
+/// f_I of a tile's particles from the rows `flux` and `stiffness` of the scratch.
 template <int Dim, class Shape>
-void add_forces_of(Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, int t, const ScratchView& s,
-                   bool first) {
-  ForceStiffness* window = m.grid.force_windows.of(t);
-  if (first) clear_window<Dim, Shape>(window);
+void add_forces_of(const Model<Dim, Shape>& m, const TilePoints<Dim, Shape>& points, const ScratchView& s,
+                   ForceStiffness* window) {
   const auto add = [&]<bool hoops>() {
     if constexpr (goes_by_runs<Shape>)
       add_forces_in_runs<hoops>(points, m.domain, s, window);
@@ -44,10 +42,10 @@ void find_present_stress(const Body<Dim>& body, const TilePoints<Dim, Shape>& po
 }
 /// f_I of what presses and pulls on the sides of a body in a tile.
 template <int Dim, class Shape>
-void add_loads_of(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, const TilePoints<Dim, Shape>& points, int t,
-                  double time, Vec<3>& total) {
+void add_loads_of(Model<Dim, Shape>& m, const ShapedBody<Dim, Shape>& body, const TilePoints<Dim, Shape>& points,
+                  double time, ForceStiffness* window, Vec<3>& total) {
   for (int k = 0; k < int(body.loads.size()); ++k)
-    add_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), m.grid.force_windows.of(t), total);
+    add_load(points, m.domain, view_of<Dim>(body, k, m.domain, time), window, total);
 }
 
 /// What walls and solids have changed of the velocities that momentum has brought to a tile's nodes; particles feel a
@@ -88,9 +86,9 @@ class StressTimer {
 
 /// The stresses of a tile that is left out are those of the step before.
 template <int Dim, class Shape>
-void keep_stresses(Model<Dim, Shape>& m, int t, TileSums& sums) {
+void keep_stresses(const Model<Dim, Shape>& m, int t, TileSums& sums, ForceStiffness* window) {
   const TileRest& rest = m.rests[std::size_t(t)];
-  std::copy(rest.force.begin(), rest.force.end(), m.grid.force_windows.of(t));
+  if (window) std::copy(rest.force.begin(), rest.force.end(), window);
   sums[Sum::elastic] += rest.state.elastic;
   sums[Sum::separated] += rest.state.separated;
 }
@@ -108,14 +106,13 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
                          std::sqrt(std::sqrt(dot(m.gravity, m.gravity)) / m.domain.h)};
   const bool stress_first = n.order == Order::usf;
   if (stress_first) m.make_room_for_grid_velocities();
-  return m.over_tiles(stress_first ? &m.grid.force_windows : nullptr, [&](int t, int worker, TileSums& sums) {
+  const auto update = [&](int t, int worker, TileSums& sums, ForceStiffness* window = nullptr) {
     if (stress_first) add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
-    if (m.is_left_out(t)) return keep_stresses(m, t, sums);
+    if (m.is_left_out(t)) return keep_stresses(m, t, sums, window);
     const Interpolated<Dim, Shape, MassVelocity> velocity(m.grid.tile(t), m.grid.velocity.data());
     const CellFinder<Dim> cells{m.domain.origin, 1 / m.domain.h, m.grid.tile(t).place};
     Vec<3> load{};
-    bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const StressTimer timer(m, t, points.size());
       ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
@@ -124,8 +121,8 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
       find_gradients(points, m.domain, velocity, s);
       update_stress(body.law, points.particles, points.range, cells, how, s, sums);
       if (stress_first) {
-        add_forces_of(m, points, t, s, std::exchange(first, false));
-        add_loads_of(m, body, points, t, step.time, load);
+        add_forces_of(m, points, s, window);
+        add_loads_of(m, body, points, step.time, window, load);
       }
       if (body.particles.memory().modulus)
         std::copy_n(s.stiffness, points.size(), points.particles.wave_modulus() + points.range.begin);
@@ -134,22 +131,22 @@ SumsByTile update_stresses(Model<Dim, Shape>& m, const StepInput& step) {
     if (m.rests.empty()) return;
     m.rests[std::size_t(t)].state.elastic = sums[Sum::elastic];
     m.rests[std::size_t(t)].state.separated = sums[Sum::separated];
-  });
+  };
+  return stress_first ? m.over_tiles(m.grid.force, update) : m.over_tiles(update);
 }
 
 /// f_I = -sum V sigma grad N of the stress as it is (musl).
 template <int Dim, class Shape>
 SumsByTile add_present_forces(Model<Dim, Shape>& m, const StepInput& step) {
-  return m.over_tiles(&m.grid.force_windows, [&](int t, int worker, TileSums& sums) {
+  return m.over_tiles(m.grid.force, [&](int t, int worker, TileSums& sums, ForceStiffness* window) {
     add_gain_at_start(m, t, step, sums);
     if (!m.has_particles(t)) return;
     Vec<3> load{};
-    bool first = true;
     m.for_each_body(t, [&](auto& body, const TilePoints<Dim, Shape>& points) {
       const ScratchView s = m.scratch[std::size_t(worker)].view(points.size());
       find_present_stress(body, points, s);
-      add_forces_of(m, points, t, s, std::exchange(first, false));
-      add_loads_of(m, body, points, t, step.time, load);
+      add_forces_of(m, points, s, window);
+      add_loads_of(m, body, points, step.time, window, load);
     });
     sums.add(Sum::load_force, load);
   });
@@ -180,14 +177,13 @@ SumsByTile accelerate_nodes(Model<Dim, Shape>& m, const StepInput& step) {
     add_impulses_of_contacts(m, t);
     add_heat_of_contacts(m, t);
   };
-  SumsByTile sums_by_tile =
-      m.over_nodes(g.force_windows, g.force, has_solids, [&](int t, const ForceStiffness* force, TileSums& sums) {
-        MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
-        MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
-        accelerate(g.tile(t).place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, force,
-                   g.velocity.of(t), g.acceleration.of(t), new_velocity, sums);
-        if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
-      });
+  SumsByTile sums_by_tile = m.over_nodes(g.force, [&](int t, TileSums& sums) {
+    MassVelocity not_kept[TileLayout<Dim, Shape>::n_nodes];
+    MassVelocity* new_velocity = keeps ? g.new_velocity.of(t) : not_kept;
+    accelerate(g.tile(t).place, walls, m.walls->near_wall(t), step.least_mass, step.dt, gravity, g.force.of(t),
+               g.velocity.of(t), g.acceleration.of(t), new_velocity, sums);
+    if (m.contact_finder.any() && !has_solids) rub(t, new_velocity, sums);
+  });
   if (has_solids)
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (m.contacts[std::size_t(t)].empty()) return;

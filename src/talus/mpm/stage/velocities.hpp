@@ -9,14 +9,12 @@ namespace talus {
 
 /// The particles of a tile add mass and momentum to its window.
 template <int Dim, class Shape>
-void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
+void add_momentum_of_tile(Model<Dim, Shape>& m, int t, MassMomentum* window) {
   if (!m.has_particles(t)) return;
-  MassMomentum* window = m.grid.momentum_windows.of(t);
   if (m.is_left_out(t)) {
     std::copy(m.rests[std::size_t(t)].momentum.begin(), m.rests[std::size_t(t)].momentum.end(), window);
     return;
   }
-  clear_window<Dim, Shape>(window);
   m.for_each_body(t, [&](auto&, const auto& points) {
     if constexpr (goes_by_runs<Shape>)
       add_mass_and_momentum_in_runs(points, m.domain, window);
@@ -33,7 +31,7 @@ void add_momentum_of_tile(Model<Dim, Shape>& m, int t) {
 }
 template <int Dim, class Shape>
 void add_momentum(Model<Dim, Shape>& m) {
-  m.fill_windows(m.grid.momentum_windows, [&](int t, int) { add_momentum_of_tile(m, t); });
+  m.fill_windows(m.grid.momentum, [&](int t, int, MassMomentum* window) { add_momentum_of_tile(m, t, window); });
 }
 
 /// Mass, momentum and energy of a tile's particles.
@@ -49,7 +47,7 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
   return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); }));
 }
 
-/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. Closed contacts stay closed if velocities have
+/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. Momentum is used up. Closed contacts stay closed if velocities have
 /// just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
 SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
@@ -66,12 +64,11 @@ SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, boo
                   m.grid.velocity.of(t), sums);
     for (std::size_t i = 0; i < before.size(); ++i) contacts[i].pressed += before[i].pressed;
   };
-  SumsByTile sums_by_tile = m.over_nodes(
-      m.grid.momentum_windows, m.grid.momentum, has_solids, [&](int t, const MassMomentum* momentum, TileSums& sums) {
-        find_velocities(m.grid.tile(t).place, m.walls->mirrors(), m.walls->near_wall(t), step.least_mass, momentum,
-                        m.grid.velocity.of(t), sums);
-        if (!has_solids) meet(t, sums);
-      });
+  SumsByTile sums_by_tile = m.over_nodes(m.grid.momentum, [&](int t, TileSums& sums) {
+    find_velocities(m.grid.tile(t).place, m.walls->mirrors(), m.walls->near_wall(t), step.least_mass,
+                    m.grid.momentum.of(t), m.grid.velocity.of(t), sums);
+    if (!has_solids) meet(t, sums);
+  });
   if (has_solids)
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (m.needs_nodes(t)) meet(t, sums_by_tile[std::size_t(t)]);

@@ -1,0 +1,162 @@
+/// Windows of tiles, and how they are added up at nodes.
+
+#include "talus/mpm/windows.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "mpm/by_hand.hpp"
+
+namespace talus::windows_test {
+
+/// Tiles and what the particles of each occupied one have added to its window: random numbers.
+template <int Dim, class Shape, class Node>
+struct Filled {
+  using Layout = TileLayout<Dim, Shape>;
+  std::vector<Tile<Dim>> tiles;
+  int n_occupied;
+  std::vector<Node> windows;
+
+  Filled(const std::vector<Index<Dim>>& places, const Index<Dim>& period = {})
+      : tiles(tiles_at<Dim, Shape>(places, period)),
+        n_occupied(int(places.size())),
+        windows(places.size() * Layout::n_window) {
+    std::mt19937 random(7);
+    std::uniform_real_distribution<> uniform(-1, 1);
+    auto* numbers = reinterpret_cast<double*>(windows.data());
+    std::generate_n(numbers, windows.size() * sizeof(Node) / sizeof(double), [&] { return uniform(random); });
+  }
+  const Node* window_of(int t) const { return windows.data() + std::size_t(t) * Layout::n_window; }
+  /// By definition: windows in the order of tiles, and of neighbours where a tile is several.
+  std::vector<Node> sums_by_hand() const {
+    std::vector<Node> sums(tiles.size() * Layout::n_nodes, Node{});
+    for (int from = 0; from < n_occupied; ++from)
+      for (int t = 0; t < int(tiles.size()); ++t)
+        for (int n = 0; n < n_neighbours<Dim>; ++n)
+          if (tiles[std::size_t(t)].neighbours[n] == from)
+            detail::for_each_shared<Dim, Shape>(offset_of<Dim>(n), [&](int own, int theirs) {
+              Node& sum = sums[std::size_t(t) * Layout::n_nodes + std::size_t(own)];
+              store_node(sum, load_node(sum) + load_node(window_of(from)[theirs]));
+            });
+    return sums;
+  }
+  /// Adds the window of a tile; what was there before must be zeros.
+  void add(Windows<Dim, Shape>& w, int t, int worker, Node* sums, bool keeps = false) const {
+    Node* open = w.template open<Node>(worker);
+    const auto* numbers = reinterpret_cast<const double*>(open);
+    ASSERT_EQ(std::count(numbers, numbers + Layout::n_window * sizeof(Node) / sizeof(double), 0.0),
+              long(Layout::n_window * sizeof(Node) / sizeof(double)));
+    std::copy_n(window_of(t), Layout::n_window, open);
+    w.add(t, worker, sums, keeps);
+  }
+  /// What is at the nodes when windows have been added in some order.
+  std::vector<Node> sums_in_order(const std::vector<int>& order, int n_workers, bool keeps = false) const {
+    const auto backend = make_serial();
+    Windows<Dim, Shape> w(n_workers);
+    w.rest_on(tiles.data(), int(tiles.size()), *backend);
+    std::vector<Node> sums(tiles.size() * Layout::n_nodes);
+    std::fill_n(reinterpret_cast<double*>(sums.data()), sums.size() * sizeof(Node) / sizeof(double), rubbish);
+    int next = 0;
+    for (const int t : order) add(w, t, next++ % n_workers, sums.data(), keeps);
+    for (int t = 0; t < int(tiles.size()); ++t) w.finish(t, sums.data());
+    return sums;
+  }
+};
+
+template <class Node>
+void expect_same_bits(const std::vector<Node>& a, const std::vector<Node>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  const auto *x = reinterpret_cast<const double*>(a.data()), *y = reinterpret_cast<const double*>(b.data());
+  for (std::size_t i = 0; i < a.size() * sizeof(Node) / sizeof(double); ++i) ASSERT_EQ(x[i], y[i]) << i;
+}
+
+template <int Dim, class Shape, class Node>
+void expect_same_sums_in_any_order(const std::vector<Index<Dim>>& places, const Index<Dim>& period = {}) {
+  const Filled<Dim, Shape, Node> filled(places, period);
+  const auto expected = filled.sums_by_hand();
+  std::vector<int> order(places.size());
+  std::iota(order.begin(), order.end(), 0);
+  expect_same_bits(filled.sums_in_order(order, 1), expected);
+  expect_same_bits(filled.sums_in_order(order, 1, true), expected);
+  std::reverse(order.begin(), order.end());
+  expect_same_bits(filled.sums_in_order(order, 2), expected);
+  for (int seed = 0; seed < 3; ++seed) {
+    std::shuffle(order.begin(), order.end(), std::mt19937(std::uint32_t(seed)));
+    expect_same_bits(filled.sums_in_order(order, 3), expected);
+  }
+}
+
+template <class Kind>
+class SumsOfWindows : public testing::Test {};
+using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<3, Linear>, Of<3, Quadratic>, Of<3, Cubic>>;
+TYPED_TEST_SUITE(SumsOfWindows, Kinds);
+
+TYPED_TEST(SumsOfWindows, AreTheSameBitsInWhateverOrderTilesAreDone) {
+  constexpr int Dim = TypeParam::dim;
+  using Shape = typename TypeParam::shape;
+  std::vector<Index<Dim>> places;  // a block with holes, and a tile far away
+  for (int i = 0; i < power(3, Dim); ++i)
+    if (i % 5 != 3) places.push_back(unflatten<Dim>(i, 3));
+  places.back()[0] = 1000;
+  expect_same_sums_in_any_order<Dim, Shape, MassMomentum>(places);
+  expect_same_sums_in_any_order<Dim, Shape, double>(places);
+}
+
+TEST(Windows, ATileThatIsSeveralNeighboursOfAnotherAddsAsEachOfThem) {
+  expect_same_sums_in_any_order<2, Quadratic, MassMomentum>({{0, 0}}, {1, 1});
+  expect_same_sums_in_any_order<2, Quadratic, MassMomentum>({{1, 0}, {0, 0}, {0, 5}}, {2, 0});
+  expect_same_sums_in_any_order<3, Cubic, MassMomentum>({{0, 0, 0}, {1, 0, 0}}, {2, 1, 0});
+}
+
+TEST(Windows, ThreadsThatMeetGetTheSameBits) {
+  std::vector<Index<2>> places;
+  for (int i = 0; i < 100; ++i) places.push_back(unflatten<2>(i, 10));
+  const Filled<2, Quadratic, MassMomentum> filled(places);
+  const auto expected = filled.sums_by_hand();
+  const auto backend = make_threads(4);
+  Windows<2, Quadratic> w(4);
+  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
+  std::vector<MassMomentum> sums(expected.size());
+  for (int round = 0; round < 50; ++round) {
+    w.begin();
+    backend->for_each(int(places.size()), [&](int t, int worker) { filled.add(w, t, worker, sums.data()); });
+    backend->for_each(int(filled.tiles.size()), [&](int t, int) { w.finish(t, sums.data()); });
+    expect_same_bits(sums, expected);
+  }
+}
+
+TEST(Windows, WhatWasNotEndedIsNotInTheNextSums) {
+  const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {2, 0}});
+  const auto backend = make_serial();
+  Windows<2, Quadratic> w(1);
+  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
+  std::vector<MassMomentum> sums(filled.tiles.size() * 16);
+  filled.add(w, 1, 0, sums.data());  // before its turn: kept
+  w.begin();
+  for (int t = 0; t < 3; ++t) filled.add(w, t, 0, sums.data());
+  for (int t = 0; t < int(filled.tiles.size()); ++t) w.finish(t, sums.data());
+  expect_same_bits(sums, filled.sums_by_hand());
+}
+
+TEST(Windows, AreKeptOnlyWhereTheirTurnHasNotCome) {
+  const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {2, 0}});
+  const auto backend = make_serial();
+  Windows<2, Quadratic> w(1);
+  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
+  std::vector<MassMomentum> sums(filled.tiles.size() * 16);
+  filled.add(w, 0, 0, sums.data());
+  const std::size_t one = w.bytes();
+  filled.add(w, 1, 0, sums.data());
+  filled.add(w, 2, 0, sums.data());
+  EXPECT_EQ(w.bytes(), one) << "of the thread only";
+  w.begin();
+  filled.add(w, 2, 0, sums.data());
+  EXPECT_GE(w.bytes(), one + 49 * sizeof(MassMomentum));
+  const auto kept = w.kept<MassMomentum>();
+  for (int i = 0; i < 49; ++i) EXPECT_EQ(kept.of(2)[i].mass, filled.window_of(2)[i].mass);
+}
+
+}  // namespace talus::windows_test
