@@ -91,7 +91,8 @@ void expect_same_sums_in_any_order(const std::vector<Index<Dim>>& places, const 
 
 template <class Kind>
 class SumsOfWindows : public testing::Test {};
-using Kinds = testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<3, Linear>, Of<3, Quadratic>, Of<3, Cubic>>;
+using Kinds =
+    testing::Types<Of<2, Linear>, Of<2, Quadratic>, Of<2, Cubic>, Of<3, Linear>, Of<3, Quadratic>, Of<3, Cubic>>;
 TYPED_TEST_SUITE(SumsOfWindows, Kinds);
 
 TYPED_TEST(SumsOfWindows, AreTheSameBitsInWhateverOrderTilesAreDone) {

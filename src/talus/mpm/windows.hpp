@@ -32,6 +32,7 @@ class Windows {
     tiles_ = tiles;
     turns_.resize(std::size_t(n_tiles));
     for_each_of(backend, turns_.size(), [&](std::size_t t) { find_turns(int(t)); });
+    for (Worker& worker : workers_) worker.kept.clear();  // as many as there once were may be far more than are needed
     begin();
   }
 

@@ -132,7 +132,7 @@ class Room {
   std::size_t bytes_ = 0;
 };
 
-/// The tiles and their arrays. All nodal arrays lie in one room, and numbers of particles that a step or less needs in another:
+/// The tiles and their arrays. All nodal arrays lie in one room, and numbers of particles that are needed for a step or less in another:
 /// the grid owns both, and no value in them outlives the following.
 ///
 /// | room | from | to | holds |
@@ -141,10 +141,9 @@ class Room {
 /// | nodes, third array | stresses are updated | particles have moved | forces |
 /// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
 /// | nodes, up to the fourth array | particles are filtered | the same | moments and fits |
-/// | nodes, behind these | the same | fits are known | sums of moments |
 /// | nodes | particles are shifted | the same | volumes |
 /// | particles | stresses are updated | particles have moved | velocities of the grid at particles |
-/// | particles | nodes have added up moments | particles are filtered | moments at walls |
+/// | particles | particles are filtered | the same | sums of moments at nodes, behind them moments at walls |
 /// | particles | particles are split and merged | the same | particles in cells |
 template <int Dim, class Shape>
 class Grid {

@@ -73,15 +73,18 @@ class VelocityFilter {
     return sums;
   }
   void make_room(Model<Dim, Shape>& m) {
-    constexpr std::size_t before = Grid<Dim, Shape>::bytes_before_momentum;
     static_assert(sizeof(FilterFit<Dim>) == sizeof(FirstMoments<Dim>), "fits stand in the place of moments");
-    static_assert(sizeof(FilterFit<Dim>) <= before, "fits are read while momentum is added up");
-    octet_ = m.grid.template in_room_of_nodes<EightMoments>(before);
+    static_assert(sizeof(FilterFit<Dim>) <= Grid<Dim, Shape>::bytes_before_momentum,
+                  "fits are read while it is added up");
     first_ = m.grid.template in_room_of_nodes<FirstMoments<Dim>>();
     fits_ = m.grid.template in_room_of_nodes<FilterFit<Dim>>();
-    const std::size_t n = Layout::n_nodes * std::size_t(m.walls->n_near_walls());
-    from_particles_ = m.grid.template room_for_particles<MomentumMoments<Dim>>(n * sizeof(SecondMoments<Dim>), n);
-    second_ = m.grid.template room_for_particles<SecondMoments<Dim>>(0, n);
+    const std::size_t n = Layout::n_nodes * std::size_t(m.grid.n_tiles()),
+                      n_near_walls = Layout::n_nodes * std::size_t(m.walls->n_near_walls()),
+                      octets = n * sizeof(EightMoments), second = n_near_walls * sizeof(SecondMoments<Dim>);
+    from_particles_ = m.grid.template room_for_particles<MomentumMoments<Dim>>(octets + second, n_near_walls);
+    second_ = m.grid.template room_for_particles<SecondMoments<Dim>>(octets, n_near_walls);
+    octet_ =
+        typename Grid<Dim, Shape>::template Nodes<EightMoments>(m.grid.template room_for_particles<EightMoments>(0, n));
   }
   /// Eight of the moments of all nodes. `take(t, second)` gets the second ones of a tile's nodes, if they are among them.
   template <int octet, class Take>
