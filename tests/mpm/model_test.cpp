@@ -63,10 +63,9 @@ TEST(Model, TilesWhoseWindowsOthersNeedAreFilledFirstAndTheRestWhileTheseAreOnTh
     std::vector<int> each_once(std::size_t(model.grid.n_tiles()));
     std::iota(each_once.begin(), each_once.end(), 0);
     EXPECT_EQ(all, each_once);
-    model.over_nodes(model.grid.momentum, [](int, TileSums&) {});
+    model.finish_windows(model.grid.momentum, true, [](int) {});
     EXPECT_FALSE(backend.is_under_way());
     for (int t = 0; t < model.grid.n_occupied(); ++t) {
-      if (!model.needs_nodes(t)) continue;
       const int next = model.grid.tile(t).neighbours[neighbour_at<2>({1, 0})];
       const double expected = next >= 0 ? 1 + double(model.halo.number[std::size_t(next)]) : 0;
       EXPECT_EQ(model.grid.momentum.of(t)[last].mass, expected);

@@ -21,6 +21,7 @@ struct OneParticle {
   Numerics numerics = pure_flip();
   Vec<2> place{5.3, 6.1}, velocity{}, gravity{};
   double E = 1000, pressure = 0;
+  WallKind everywhere = WallKind::open;
   std::vector<Solid> solids;
   std::unique_ptr<Backend> serial = make_serial();
   std::unique_ptr<Simulation> simulation;
@@ -36,8 +37,8 @@ struct OneParticle {
     if (numerics.order == Order::musl) body.particles.wave_modulus()[0] = E;
     std::vector<Body<2>> bodies;
     bodies.push_back(std::move(body));
-    simulation = make_stepper<2, Quadratic>(unit_cells<2>(16), std::move(bodies), std::vector<Quadratic>(1), gravity,
-                                            numerics, *serial, solids);
+    simulation = make_stepper<2, Quadratic>(unit_cells<2>(16, everywhere), std::move(bodies), std::vector<Quadratic>(1),
+                                            gravity, numerics, *serial, solids);
     return *simulation;
   }
   SavedState save() const { return in_memory(simulation->save()); }
@@ -152,6 +153,25 @@ TEST(Step, CanBeLookedAtBeforeAFilterAsAtAnyOtherTime) {
     for (int twice = 0; twice < 2; ++twice) EXPECT_NEAR(value(s.observe(), "shear_rate", 0, 0), 0, 1e-14) << i;
     EXPECT_NEAR(s.places().places[0][0], 5.3 + 0.1 * s.ledger().time, 1e-13) << i;
   }
+}
+
+TEST(Step, IsTheSameWhetherOrNotSomebodyHasLooked) {
+  // On a wall, to whose nodes images give their momentum.
+  OneParticle run(0.01), unseen(0.01);
+  for (OneParticle* r : {&run, &unseen}) {
+    r->everywhere = WallKind::no_slip;
+    r->place = {6.2, 0.3};
+    r->velocity = {0.1, 0.05};
+  }
+  Simulation &s = run.start(), &alone = unseen.start();
+  for (int i = 0; i < 5; ++i) {
+    for (int twice = 0; twice < 2; ++twice) s.observe();
+    s.step();
+    alone.step();
+    EXPECT_EQ(s.places().places, alone.places().places);
+    EXPECT_EQ(s.ledger().kinetic, alone.ledger().kinetic);
+  }
+  EXPECT_LT(s.ledger().kinetic, 0.5 * (0.1 * 0.1 + 0.05 * 0.05)) << "the wall held it back";
 }
 
 TEST(Step, ThatCarriesAParticleOutOfTheDomainBreaksTheRunWhichCanStillBeSeen) {

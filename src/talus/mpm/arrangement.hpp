@@ -199,7 +199,7 @@ void settle_on_grid(Model<Dim, Shape>& m, RunTiles<Dim> run) {
 /// Cost of the nodes of a tile in a step, without its particles.
 template <int Dim, class Shape>
 void add_work_of_nodes(std::vector<long>& work) {
-  constexpr long of_node = 15;  // ns, in five loops over nodes and the windows that they add up
+  constexpr long of_node = 15;  // ns, in five loops over nodes, and to add windows to them
   for (long& w : work) w += of_node * TileLayout<Dim, Shape>::n_nodes;
 }
 

@@ -1,9 +1,9 @@
 #pragma once
 /// The halo: tiles of other owners around those of an owner, and their exchange.
 ///
-/// Every owner holds its own tiles and, as a halo, the tiles around them. Particles are only in its own. When particles
-/// have added to the windows of their tiles, owners exchange the windows of the halo. Each owner then computes all
-/// nodes that it needs, in the same order, so results are bit-identical. A node that a particle touches needs, at most,
+/// Every owner holds its own tiles and, as a halo, the tiles around them. Particles are only in its own. Owners exchange the
+/// windows that others need while they fill the other ones. Each owner then ends the sums at all nodes that it needs, in the
+/// order of tiles, so results are bit-identical. A node that a particle touches needs, at most,
 /// nodes 9 away (contacts: 3 nodes of the window, 2 to an original of an image, 2 around a contact or, along another axis than
 /// that of the image, 5 to the end of its column, 2 to its image) and these the windows of tiles that reach 3 nodes farther:
 /// three tiles. Most need less: what nodes do is computed in tiles that
@@ -136,14 +136,14 @@ inline std::vector<int> tiles_to_send(const Halo& halo) {
   return all;
 }
 
-template <class Windows>
-inline constexpr std::size_t numbers_of_window = Windows::n * sizeof(typename Windows::Value) / sizeof(double);
+template <class AnyWindows>
+inline constexpr std::size_t numbers_of_window = AnyWindows::n * sizeof(typename AnyWindows::Value) / sizeof(double);
 
 /// Sends the windows that other owners need, and returns while they are on their way.
-template <class Windows>
-void begin_exchange(Backend& backend, const Halo& halo, const Windows& windows) {
+template <class AnyWindows>
+void begin_exchange(Backend& backend, const Halo& halo, const AnyWindows& windows) {
   if (backend.n_owners() == 1) return;
-  constexpr std::size_t numbers = numbers_of_window<Windows>;
+  constexpr std::size_t numbers = numbers_of_window<AnyWindows>;
   std::vector<Message> messages(halo.sends.size());
   for (std::size_t o = 0; o < halo.sends.size(); ++o) {
     messages[o].reserve(halo.sends[o].size() * numbers);
@@ -158,10 +158,10 @@ void begin_exchange(Backend& backend, const Halo& halo, const Windows& windows) 
 }
 
 /// Waits for the windows of the halo, unless they are here already.
-template <class Windows>
-void finish_exchange(Backend& backend, const Halo& halo, Windows& windows) {
+template <class AnyWindows>
+void finish_exchange(Backend& backend, const Halo& halo, AnyWindows& windows) {
   if (backend.n_owners() == 1) return;
-  constexpr std::size_t numbers = numbers_of_window<Windows>;
+  constexpr std::size_t numbers = numbers_of_window<AnyWindows>;
   const std::vector<Message> received = backend.finish_exchange();
   for (std::size_t o = 0; o < received.size(); ++o)
     for (std::size_t i = 0; i < halo.receives[o].size(); ++i)
@@ -170,8 +170,8 @@ void finish_exchange(Backend& backend, const Halo& halo, Windows& windows) {
 }
 
 /// Receives the windows of the halo from their owners.
-template <class Windows>
-void exchange_windows(Backend& backend, const Halo& halo, Windows& windows) {
+template <class AnyWindows>
+void exchange_windows(Backend& backend, const Halo& halo, AnyWindows& windows) {
   begin_exchange(backend, halo, windows);
   finish_exchange(backend, halo, windows);
 }

@@ -149,9 +149,9 @@ struct Model {
   /// Particles over those at the start that splitting may make; beyond, nothing is split.
   static constexpr long growth = 4;
 
-  /// Runs f(tile, worker, window) for every tile, which adds what its particles give to nodes to its window. Sums at `nodes` are
-  /// known after `finish_windows`. Tiles whose windows other owners need come first; these are on their way while the others
-  /// are computed.
+  /// Runs f(tile, worker, window) for every tile, which adds what its particles give to nodes to its window. Sums at `nodes`
+  /// are known after `finish_windows` or `over_nodes`. Tiles whose windows other owners need come first; these are on their
+  /// way while the others are computed.
   template <class Nodes, class F>
   void fill_windows(Nodes& nodes, F f) {
     using Node = typename Nodes::Value;
@@ -160,11 +160,11 @@ struct Model {
       backend.for_each(tiles, [&](int t, int worker) {
         try {
           f(t, worker, windows.template open<Node>(worker));
+          if (has_particles(t)) windows.add(t, worker, nodes.data(), keeps);
         } catch (...) {
           windows.template clear<Node>(worker);
           throw;
         }
-        if (has_particles(t)) windows.add(t, worker, nodes.data(), keeps);
       });
     };
     if (backend.n_owners() == 1) return fill(all_tiles, false);
@@ -239,7 +239,7 @@ struct Model {
   void make_room_for_grid_velocities() {
     std::size_t n = 0;
     for (const auto& body : bodies) n += Dim * std::size_t(body.particles.size());
-    double* room = grid.template room_for_particles<double>(0, n);
+    double* room = grid.template room_for_stages<double>(0, n);
     for (auto& body : bodies) {
       body.grid_velocity = room;
       room += Dim * std::size_t(body.particles.size());
@@ -264,8 +264,8 @@ struct Model {
     auto& list = contacts[std::size_t(t)];
     return {list.data(), int(list.size())};
   }
-  /// Ends the sums at nodes of what all windows hold, images included. Then runs f(tile, sums) for every tile whose nodes this
-  /// owner needs: away from walls at once. Returns the sums over tiles.
+  /// Ends the sums at nodes of what all windows hold and adds images to their originals, so only once for every filling. Runs
+  /// f(tile, sums) for every tile whose nodes this owner needs: away from walls at once. Returns the sums over tiles.
   template <class Nodes, class F>
   SumsByTile over_nodes(Nodes& nodes, F f) {
     finish_exchange<typename Nodes::Value>();

@@ -105,8 +105,7 @@ class Stepper final : public Simulation {
   Observation observe_own(const std::vector<std::string>& fields) {
     if (!broken_) {
       need_momentum();
-      find_node_velocities(model_, between_steps());
-      has_momentum_ = false;
+      find_velocities(between_steps());
     }
     return talus::observe(model_, ledger_.time, ledger_.step, broken_, fields);
   }
@@ -117,6 +116,11 @@ class Stepper final : public Simulation {
     if (!has_momentum_) add_momentum(model_);
     has_momentum_ = true;
   }
+  /// Of nodes, from their momentum, which is used up: images are added to it.
+  SumsByTile find_velocities(const StepInput& step, bool filtered = false) {
+    has_momentum_ = false;
+    return find_node_velocities(model_, step, filtered);
+  }
   /// After so long without.
   bool is_filter_due(double unfiltered) const {
     return model_.numerics.transfer == Transfer::affine_tau && unfiltered >= tau_of(model_.numerics) / filters_per_tau;
@@ -125,13 +129,14 @@ class Stepper final : public Simulation {
     const double share = -std::expm1(-carried_.unfiltered / tau_of(model_.numerics));
     carried_.unfiltered = 0;
     if (model_.contact_finder.any()) need_momentum();
+    has_momentum_ = false;
     const FilterCost cost = filter_.apply(model_, between_steps(), share);
     ledger_.add_filter(cost.contacts, cost.particles);
     has_momentum_ = true;
   }
   /// The stages before particles move (usf). No sum of a stage has an effect on the next one, so all are added up at the end.
   void accelerate_after_stress(const StepInput& step, bool filtered) {
-    const SumsByTile velocities = find_node_velocities(model_, step, filtered);
+    const SumsByTile velocities = find_velocities(step, filtered);
     const SumsByTile stresses = update_stresses(model_, step);
     const SumsByTile accelerations = accelerate_nodes(model_, step);
     const auto [of_velocities, of_stresses, of_accelerations] = model_.add_up(velocities, stresses, accelerations);
@@ -141,7 +146,7 @@ class Stepper final : public Simulation {
   }
   /// The same for musl.
   void accelerate_before_stress(const StepInput& step, bool filtered) {
-    const SumsByTile velocities = find_node_velocities(model_, step, filtered);
+    const SumsByTile velocities = find_velocities(step, filtered);
     const SumsByTile forces = add_present_forces(model_, step);
     const SumsByTile accelerations = accelerate_nodes(model_, step);
     const SumsByTile particle_velocities = speed_up_particles(model_, step);
@@ -178,8 +183,9 @@ class Stepper final : public Simulation {
     ++model_.n_steps_in_order;
     // A filtering gives momentum anew; only contacts look at nodes before.
     const bool is_read = !is_filter_due(carried_.unfiltered + step.dt) || model_.contact_finder.any();
-    has_momentum_ = is_read && !is_expected;
-    const SumsByTile motion = move_particles(model_, step, has_momentum_);
+    const bool gives_momentum = is_read && !is_expected;
+    const SumsByTile motion = move_particles(model_, step, gives_momentum);
+    has_momentum_ = gives_momentum;
     const auto [of_motion, of_surfaces] = model_.add_up(motion, model_.accounts);
     ledger_.add_motion(of_motion, step.dt);
     carried_.drift += cells * std::sqrt(of_motion[Most::way_speed2]);
@@ -188,7 +194,7 @@ class Stepper final : public Simulation {
     tally_.rest_share += of_motion[Sum::asleep] / double(std::max(1L, model_.n_particles));
     expect_inside(of_motion);
     if (!is_expected && carried_.drift <= largest_drift) return;
-    if (has_momentum_) model_.template finish_exchange<MassMomentum>();
+    model_.backend.finish_exchange();  // of momentum, which is given anew
     has_momentum_ = false;
     rearrange(step.dt);
   }

@@ -4,13 +4,14 @@
 /// The particles of a tile add to its window, in memory of their thread, where it stays in the cache. Then the window is added at
 /// the nodes of the tiles around. At each of them windows take turns in the order of their tiles, so sums are the same bits
 /// for any number of threads and owners. Threads do not wait: a window whose turn has not come, because another thread is at
-/// work on those before, is kept and added at the end. So are windows of other owners.
+/// work on those before, is kept and added at the end. So are those that other owners need or have sent.
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 #include <utility>
 #include <vector>
 

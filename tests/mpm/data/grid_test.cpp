@@ -10,6 +10,7 @@
 
 #include "mpm/by_hand.hpp"
 #include "talus/mpm/kernel/transfer.hpp"
+#include "talus/mpm/windows.hpp"
 
 namespace talus::grid_test {
 
@@ -34,10 +35,11 @@ struct Scattered {
       ranges.push_back(all_cells<Dim>());
     }
     grid.set_tiles(tiles_around<Dim, Shape>(places, ranges, {}, *make_serial()), ranges);
-    std::vector<MassMomentum> windows(places.size() * Layout::n_window, node_of<MassMomentum>(Quad(rubbish)));
+    std::fill_n(grid.momentum.data(), grid.n_tiles() * Layout::n_nodes, node_of<MassMomentum>(Quad(rubbish)));
+    Windows<Dim, Shape> windows(1);
+    windows.rest_on(grid.tiles(), grid.n_tiles(), *make_serial());
     for (std::size_t t = 0; t < places.size(); ++t) {
-      MassMomentum* window = windows.data() + t * Layout::n_window;
-      clear_window<Dim, Shape>(window);
+      MassMomentum* window = windows.template open<MassMomentum>(0);
       for (int point = 0; point < 40; ++point) {
         Vec<Dim> x;
         for (int a = 0; a < Dim; ++a) {
@@ -60,11 +62,9 @@ struct Scattered {
           at->second += Quad(weight) * value;
         }
       }
+      windows.add(int(t), 0, grid.momentum.data(), false);
     }
-    for (int t = 0; t < grid.n_tiles(); ++t) {
-      for (int i = 0; i < Layout::n_nodes; ++i) grid.momentum.of(t)[i] = node_of<MassMomentum>(Quad(rubbish));
-      add_windows<Dim, Shape>(grid.tiles(), t, windows.data(), grid.momentum.of(t));
-    }
+    for (int t = 0; t < grid.n_tiles(); ++t) windows.finish(t, grid.momentum.data());
   }
 };
 
@@ -234,11 +234,11 @@ TEST(Grid, LendsRoomForNumbersOfParticles) {
   Grid<3, Quadratic> grid;
   grid.set_tiles(tiles_at<3, Quadratic>({{0, 0, 0}}), {all_cells<3>()});
   const std::size_t of_nodes = grid.bytes();
-  double* many = grid.room_for_particles<double>(800, 100'000);
+  double* many = grid.room_for_stages<double>(800, 100'000);
   std::fill_n(many, 100'000, 1.0);
   const std::size_t bytes = grid.bytes();
   EXPECT_GE(bytes, of_nodes + 800 + 800'000);
-  EXPECT_EQ(many - grid.room_for_particles<double>(0, 100), 100) << "behind others";
+  EXPECT_EQ(many - grid.room_for_stages<double>(0, 100), 100) << "behind others";
   EXPECT_EQ(grid.bytes(), bytes);
 }
 

@@ -132,19 +132,19 @@ class Room {
   std::size_t bytes_ = 0;
 };
 
-/// The tiles and their arrays. All nodal arrays lie in one room, and numbers of particles that are needed for a step or less in another:
-/// the grid owns both, and no value in them outlives the following.
+/// The tiles and their arrays. Those of a step at nodes lie in one room, and what is needed for a stage or two in another. The
+/// grid owns both, and no value in them outlives the following.
 ///
 /// | room | from | to | holds |
 /// |---|---|---|---|
 /// | nodes, fifth array | particles give momentum | stresses are updated | momentum |
 /// | nodes, third array | stresses are updated | particles have moved | forces |
-/// | nodes | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
+/// | nodes, first, second and fourth array | a step finds velocities | its particles have moved, their boxes too | velocities, accelerations |
 /// | nodes, up to the fourth array | particles are filtered | the same | moments and fits |
 /// | nodes | particles are shifted | the same | volumes |
-/// | particles | stresses are updated | particles have moved | velocities of the grid at particles |
-/// | particles | particles are filtered | the same | sums of moments at nodes, behind them moments at walls |
-/// | particles | particles are split and merged | the same | particles in cells |
+/// | stages | stresses are updated | particles have moved | velocities of the grid at particles |
+/// | stages | particles are filtered | the same | sums of moments at nodes, behind them moments at walls |
+/// | stages | particles are split and merged | the same | particles in cells |
 template <int Dim, class Shape>
 class Grid {
  public:
@@ -180,15 +180,15 @@ class Grid {
     make_room_for_nodes(bytes_before + sizeof(Node));
     return Nodes<Node>(nodes_.at<Node>(bytes_before * n_nodes()));
   }
-  /// Room for values of particles behind so many bytes of others. All are lost if it has to be enlarged.
+  /// Room for values that stages need, behind so many bytes of others. All are lost if it has to be enlarged.
   template <class Value>
-  Value* room_for_particles(std::size_t bytes_before, std::size_t n_values) {
-    of_particles_.enlarge(bytes_before + n_values * sizeof(Value));
-    return of_particles_.at<Value>(bytes_before);
+  Value* room_for_stages(std::size_t bytes_before, std::size_t n_values) {
+    stages_.enlarge(bytes_before + n_values * sizeof(Value));
+    return stages_.at<Value>(bytes_before);
   }
 
   /// Bytes held.
-  std::size_t bytes() const { return nodes_.bytes() + of_particles_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
+  std::size_t bytes() const { return nodes_.bytes() + stages_.bytes() + tiles_.capacity() * sizeof(Tile<Dim>); }
 
  private:
   std::size_t n_nodes() const { return tiles_.size() * Layout::n_nodes; }
@@ -206,7 +206,7 @@ class Grid {
 
   std::vector<Tile<Dim>> tiles_;
   std::vector<CellRange<Dim>> cells_;
-  Room nodes_, of_particles_;
+  Room nodes_, stages_;
 };
 
 }  // namespace talus

@@ -134,7 +134,8 @@ TALUS_INLINE TALUS_HD void add_part(const Node* window, Node* sums) {
       offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
 }
 
-/// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours.
+/// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours; for a device, while the host
+/// adds them in the order of tiles (windows.hpp).
 /// `windows`: those of all tiles, one after the other.
 template <int Dim, class Shape, class Node>
 TALUS_FLATTEN TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Node* windows, Node* sums) {

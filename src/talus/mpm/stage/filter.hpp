@@ -81,10 +81,10 @@ class VelocityFilter {
     const std::size_t n = Layout::n_nodes * std::size_t(m.grid.n_tiles()),
                       n_near_walls = Layout::n_nodes * std::size_t(m.walls->n_near_walls()),
                       octets = n * sizeof(EightMoments), second = n_near_walls * sizeof(SecondMoments<Dim>);
-    from_particles_ = m.grid.template room_for_particles<MomentumMoments<Dim>>(octets + second, n_near_walls);
-    second_ = m.grid.template room_for_particles<SecondMoments<Dim>>(octets, n_near_walls);
+    from_particles_ = m.grid.template room_for_stages<MomentumMoments<Dim>>(octets + second, n_near_walls);
+    second_ = m.grid.template room_for_stages<SecondMoments<Dim>>(octets, n_near_walls);
     octet_ =
-        typename Grid<Dim, Shape>::template Nodes<EightMoments>(m.grid.template room_for_particles<EightMoments>(0, n));
+        typename Grid<Dim, Shape>::template Nodes<EightMoments>(m.grid.template room_for_stages<EightMoments>(0, n));
   }
   /// Eight of the moments of all nodes. `take(t, second)` gets the second ones of a tile's nodes, if they are among them.
   template <int octet, class Take>

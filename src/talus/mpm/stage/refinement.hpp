@@ -110,10 +110,10 @@ class ParticleRefinement {
     return first;
   }
 
-  /// In the grid's room of particles, whose values are lost.
+  /// In the grid's room for stages, whose values are lost.
   static CellCounts<Dim> count_cells(Model<Dim, Shape>& m) {
     const std::size_t n = std::size_t(m.grid.n_occupied()) * CellCounts<Dim>::n;
-    CellCounts<Dim> counts(m.grid.template room_for_particles<double>(0, n));
+    CellCounts<Dim> counts(m.grid.template room_for_stages<double>(0, n));
     m.backend.for_each(m.all_tiles, [&](int t, int) {
       if (!m.has_particles(t)) return;
       std::fill_n(counts.of(t), CellCounts<Dim>::n, 0.0);

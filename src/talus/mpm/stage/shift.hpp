@@ -28,8 +28,8 @@ TileSums lift_from_ground(Model<Dim, Shape>& m, double time, double most) {
 }
 
 /// Moves particles apart where they are too close, and opens material where it is sparse (`open_sparse`). Volumes around
-/// nodes, how full these are, and by how much they are too full, are valid during a shift, in the rooms of the grid's
-/// arrays, whose values are lost.
+/// nodes, how full these are, and by how much they are too full, are valid during a shift, in the room of the
+/// nodal arrays, whose values are lost.
 template <int Dim, class Shape>
 class ParticleShift {
  public:

@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <type_traits>
-#include <utility>
 
 #include "talus/mpm/kernel/force.hpp"
 #include "talus/mpm/kernel/load.hpp"
