@@ -47,8 +47,8 @@ TileSums add_up_particles(Model<Dim, Shape>& m) {
   return m.add_up(m.over_tiles([&](int t, int, TileSums& sums) { add_up_particles_of_tile(m, t, sums); }));
 }
 
-/// v_I = sum N m v / sum N m, and what walls and contacts allow of it. Once for every filling. Closed contacts stay closed if velocities have
-/// just been `filtered`. Returns `held_kinetic` and `wall_work`.
+/// v_I = sum N m v / sum N m, and what walls and contacts allow of it; once each time that particles have given momentum. Closed
+/// contacts stay closed if velocities have just been `filtered`. Returns `held_kinetic` and `wall_work`.
 template <int Dim, class Shape>
 SumsByTile find_node_velocities(Model<Dim, Shape>& m, const StepInput& step, bool filtered = false) {
   // Contacts with solids look at the mass around them; those with walls of the domain do not.
