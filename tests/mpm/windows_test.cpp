@@ -43,6 +43,12 @@ struct Filled {
             });
     return sums;
   }
+  Windows<Dim, Shape> windows_for(int n_workers) const {
+    Windows<Dim, Shape> w(n_workers);
+    w.rest_on(tiles.data(), int(tiles.size()), *make_serial());
+    return w;
+  }
+  std::vector<Node> nodes() const { return std::vector<Node>(tiles.size() * Layout::n_nodes); }
   /// Adds the window of a tile; what was there before must be zeros.
   void add(Windows<Dim, Shape>& w, int t, int worker, Node* sums, bool keeps = false) const {
     Node* open = w.template open<Node>(worker);
@@ -54,10 +60,8 @@ struct Filled {
   }
   /// What is at the nodes when windows have been added in some order.
   std::vector<Node> sums_in_order(const std::vector<int>& order, int n_workers, int one_kept_in = 0) const {
-    const auto backend = make_serial();
-    Windows<Dim, Shape> w(n_workers);
-    w.rest_on(tiles.data(), int(tiles.size()), *backend);
-    std::vector<Node> sums(tiles.size() * Layout::n_nodes);
+    auto w = windows_for(n_workers);
+    auto sums = nodes();
     std::fill_n(reinterpret_cast<double*>(sums.data()), sums.size() * sizeof(Node) / sizeof(double), rubbish);
     int next = 0;
     for (const int t : order) {
@@ -122,9 +126,8 @@ TEST(Windows, ThreadsThatMeetGetTheSameBits) {
   const Filled<2, Quadratic, MassMomentum> filled(places);
   const auto expected = filled.sums_by_hand();
   const auto backend = make_threads(4);
-  Windows<2, Quadratic> w(4);
-  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
-  std::vector<MassMomentum> sums(expected.size());
+  auto w = filled.windows_for(4);
+  auto sums = filled.nodes();
   for (int round = 0; round < 50; ++round) {
     w.begin();
     backend->for_each(int(places.size()), [&](int t, int worker) { filled.add(w, t, worker, sums.data()); });
@@ -135,10 +138,8 @@ TEST(Windows, ThreadsThatMeetGetTheSameBits) {
 
 TEST(Windows, WhatWasNotEndedIsNotInTheNextSums) {
   const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {2, 0}});
-  const auto backend = make_serial();
-  Windows<2, Quadratic> w(1);
-  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
-  std::vector<MassMomentum> sums(filled.tiles.size() * 16);
+  auto w = filled.windows_for(1);
+  auto sums = filled.nodes();
   filled.add(w, 1, 0, sums.data());  // before its turn: kept
   w.begin();
   for (int t = 0; t < 3; ++t) filled.add(w, t, 0, sums.data());
@@ -148,10 +149,8 @@ TEST(Windows, WhatWasNotEndedIsNotInTheNextSums) {
 
 TEST(Windows, AreKeptOnlyWhereTheirTurnHasNotCome) {
   const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {2, 0}});
-  const auto backend = make_serial();
-  Windows<2, Quadratic> w(1);
-  w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *backend);
-  std::vector<MassMomentum> sums(filled.tiles.size() * 16);
+  auto w = filled.windows_for(1);
+  auto sums = filled.nodes();
   filled.add(w, 0, 0, sums.data());
   const std::size_t one = w.bytes();
   filled.add(w, 1, 0, sums.data());

@@ -172,20 +172,14 @@ struct Model {
     begin_exchange(backend, halo, windows.template kept<Node>());
     fill(inside, false);
   }
-  /// Waits for what is on its way.
-  template <class Node>
-  void finish_exchange() {
-    auto kept = windows.template kept<Node>();
-    talus::finish_exchange(backend, halo, kept);
-  }
-  /// Ends the sums at the nodes of the tiles that this owner needs, or `of_all` that it holds. Runs f(t) for every such tile,
-  /// while its sums are in the cache.
+  /// Ends the sums at the nodes of the tiles that this owner needs, or `of_all` that it holds. Runs f(t) for every tile, right
+  /// after its sums, while they are in the cache.
   template <class Nodes, class F>
   void finish_windows(Nodes& nodes, bool of_all, F f) {
-    finish_exchange<typename Nodes::Value>();
+    auto kept = windows.template kept<typename Nodes::Value>();
+    finish_exchange(backend, halo, kept);
     backend.for_each(all_tiles, [&](int t, int) {
-      if (!of_all && !needs_nodes(t)) return;
-      windows.finish(t, nodes.data());
+      if (of_all || needs_nodes(t)) windows.finish(t, nodes.data());
       f(t);
     });
   }
@@ -268,14 +262,10 @@ struct Model {
   /// f(tile, sums) for every tile whose nodes this owner needs: away from walls at once. Returns the sums over tiles.
   template <class Nodes, class F>
   SumsByTile over_nodes(Nodes& nodes, F f) {
-    finish_exchange<typename Nodes::Value>();
     SumsByTile sums(std::size_t(grid.n_tiles()));
-    backend.for_each(all_tiles, [&](int t, int) {
+    finish_windows(nodes, has_solids(), [&](int t) {
       TileSums& of_tile = sums[std::size_t(t)] = {};
-      const bool needs = needs_nodes(t);
-      if (!needs && !has_solids()) return;
-      windows.finish(t, nodes.data());
-      if (needs && !walls->near_wall(t)) f(t, of_tile);
+      if (needs_nodes(t) && !walls->near_wall(t)) f(t, of_tile);
     });
     walls->fold(backend, nodes.data());
     walls->for_each_tile(backend, [&](int t) { f(t, sums[std::size_t(t)]); });

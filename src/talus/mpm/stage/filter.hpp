@@ -99,6 +99,7 @@ class VelocityFilter {
       });
     });
     m.finish_windows(octet_, false, [&](int t) {
+      if (!m.needs_nodes(t)) return;
       SecondMoments<Dim> second[Layout::n_nodes];
       for (int i = 0; i < Layout::n_nodes; ++i)
         for (int half : {0, 1}) {
