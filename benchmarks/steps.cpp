@@ -276,10 +276,10 @@ struct SpeedUp {
 
 /// Median over blocks in turn, each between blocks of one thread on each of the first processors. Before each block two steps
 /// bring what other cores have in their caches to those that need it from now on. Nothing if there are fewer processors than
-/// threads.
+/// threads, or one thread only.
 std::optional<SpeedUp> speed_up(Simulation& simulation, TimedLoop& loop, int threads, bool quick) {
   const std::vector<int> all = processors();
-  if (int(all.size()) < threads) return std::nullopt;
+  if (threads < 2 || int(all.size()) < threads) return std::nullopt;
   const int n_rounds = quick ? 5 : std::max(5, 50 / threads);
   const double block_seconds = quick ? 0.05 : 0.1;
   loop.threaded = false;
@@ -321,34 +321,37 @@ void print_head() {
   fmt::print("{:>8}\n", "rest");
 }
 
+/// One alone, and several if asked for.
+std::vector<int> numbers_of_threads(int most) { return most > 1 ? std::vector{1, most} : std::vector{1}; }
+
 void run(const Benchmark& benchmark, bool quick, int most_threads) {
   constexpr int n_blocks = 7;
   const double block_seconds = quick ? 0.2 : 1;
   forget_peak();
   TimedLoop loop(most_threads);
   const auto simulation = make_simulation(benchmark.case_, loop);
-  loop.threaded = true;
+  loop.threaded = most_threads > 1;
   measure(*simulation, loop, benchmark.first_steps);
   const double n = double(simulation->n_particles());
   const int n_steps = std::max(2, int(block_seconds / measure(*simulation, loop, 5).cpu));
 
   Measurement best[2];
   for (int block = 0; block < n_blocks; ++block)
-    for (bool threaded : {false, true}) {
-      loop.threaded = threaded;
+    for (int threads : numbers_of_threads(most_threads)) {
+      loop.threaded = threads > 1;
       const Measurement m = measure(*simulation, loop, n_steps);
-      Measurement& b = best[threaded];
+      Measurement& b = best[threads > 1];
       if (m.wall < b.wall) {
         b.wall = m.wall;
         b.share = m.share;
       }
       b.cpu = std::min(b.cpu, m.cpu);
     }
-  for (bool threaded : {false, true}) {
-    const Measurement& m = best[threaded];
-    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.3g}{:>10.0f}{:>10.0f}{:>9.0f}", benchmark.name, n,
-               threaded ? most_threads : 1, 1e-6 * n / m.cpu, 1e-6 * n / m.wall, 1e3 * m.wall, 1e9 * m.cpu / n,
-               double(simulation->bytes()) / n, 1e-6 * peak_memory());
+  for (int threads : numbers_of_threads(most_threads)) {
+    const Measurement& m = best[threads > 1];
+    fmt::print("{:<27}{:>11.0f}{:>9}{:>13.3f}{:>13.3f}{:>10.3g}{:>10.0f}{:>10.0f}{:>9.0f}", benchmark.name, n, threads,
+               1e-6 * n / m.cpu, 1e-6 * n / m.wall, 1e3 * m.wall, 1e9 * m.cpu / n, double(simulation->bytes()) / n,
+               1e-6 * peak_memory());
     double rest = 1;
     for (double share : m.share) {
       fmt::print("{:>8.0f}", 100 * share);
@@ -370,14 +373,14 @@ void run_with_snapshots(const Benchmark& benchmark, int most_threads) {
   constexpr int n_blocks = 3, every = 100;
   TimedLoop loop(most_threads);
   const auto simulation = make_simulation(benchmark.case_, loop);
-  loop.threaded = true;
+  loop.threaded = most_threads > 1;
   measure(*simulation, loop, benchmark.first_steps);
   const auto folder = std::filesystem::temp_directory_path() / fmt::format("talus_steps_{}", ::getpid());
   std::filesystem::create_directories(folder);
   SnapshotSeries snapshots(folder, default_fields(benchmark.case_));
 
   fmt::print("\n{}, with a snapshot every {} steps beside none:\n", benchmark.name, every);
-  for (int threads : {1, most_threads}) {
+  for (int threads : numbers_of_threads(most_threads)) {
     loop.threaded = threads > 1;
     Measurement without, with;
     for (int block = 0; block < n_blocks; ++block) {
@@ -415,7 +418,7 @@ constexpr const char* usage = R"(usage: talus_steps [--growth | --domain] [--onl
   --growth      a granular column of 1e4 to 1e7 particles (with --quick to 1e6)
   --domain      the same grains in domains of 1e5 to 1e12 cells
   --only TEXT   only what has TEXT in its name
-  --threads N   on N threads beside one; without it on two
+  --threads N   on N threads beside one, without it on two; with 1, on one only
   --quick       smaller and shorter
 )";
 
@@ -432,7 +435,7 @@ std::optional<Options> options_of(int argc, char** argv) {
       options.benchmarks = growing_domains;
     else if (argument == "--only" && i + 1 < argc)
       options.only = argv[++i];
-    else if (argument == "--threads" && i + 1 < argc && std::atoi(argv[i + 1]) > 1)
+    else if (argument == "--threads" && i + 1 < argc && std::atoi(argv[i + 1]) > 0)
       options.threads = std::atoi(argv[++i]);
     else
       return std::nullopt;

@@ -151,16 +151,46 @@ TEST(Windows, AreKeptOnlyWhereTheirTurnHasNotCome) {
   const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {2, 0}});
   auto w = filled.windows_for(1);
   auto sums = filled.nodes();
-  filled.add(w, 0, 0, sums.data());
-  const std::size_t one = w.bytes();
-  filled.add(w, 1, 0, sums.data());
-  filled.add(w, 2, 0, sums.data());
-  EXPECT_EQ(w.bytes(), one) << "of the thread only";
+  for (int t = 0; t < 3; ++t) filled.add(w, t, 0, sums.data());
+  const std::size_t of_thread = w.bytes();
   w.begin();
   filled.add(w, 2, 0, sums.data());
-  EXPECT_GE(w.bytes(), one + 49 * sizeof(MassMomentum));
-  const auto kept = w.kept<MassMomentum>();
-  for (int i = 0; i < 49; ++i) EXPECT_EQ(kept.of(2)[i].mass, filled.window_of(2)[i].mass);
+  EXPECT_GT(w.bytes(), of_thread);
+  const auto expected = filled.sums_by_hand();
+  for (int t = 0; t < int(filled.tiles.size()); ++t) {  // right of x = 2 no other window reaches
+    if (filled.tiles[std::size_t(t)].place[0] != 3) continue;
+    for (int i = t * 16; i < (t + 1) * 16; ++i) EXPECT_EQ(sums[std::size_t(i)].mass, expected[std::size_t(i)].mass);
+  }
+}
+
+TEST(Windows, RoomForWhatIsKeptDoesNotGrowFromSumToSum) {
+  std::vector<Index<2>> places;
+  for (int i = 0; i < 400; ++i) places.push_back(unflatten<2>(i, 20));
+  const Filled<2, Quadratic, MassMomentum> filled(places);
+  auto w = filled.windows_for(1);
+  auto sums = filled.nodes();
+  const auto add_backwards = [&] {  // all are kept
+    w.begin();
+    for (int t = 399; t >= 0; --t) filled.add(w, t, 0, sums.data());
+    for (int t = 0; t < int(filled.tiles.size()); ++t) w.finish(t, sums.data());
+    return w.bytes();
+  };
+  const std::size_t once = add_backwards();
+  EXPECT_LT(once, 2 * 400 * 49 * sizeof(MassMomentum)) << "two times the windows";
+  EXPECT_EQ(add_backwards(), once);
+  expect_same_bits(sums, filled.sums_by_hand());
+}
+
+TEST(Windows, AnOwnerAddsTheWindowsThatOthersHaveSent) {
+  const Filled<2, Quadratic, MassMomentum> filled({{0, 0}, {1, 0}, {1, 1}});
+  auto here = filled.windows_for(1), there = filled.windows_for(1);
+  auto sums = filled.nodes(), others = filled.nodes();
+  filled.add(there, 1, 0, others.data(), true);
+  filled.add(here, 2, 0, sums.data());
+  filled.add(here, 0, 0, sums.data());
+  std::copy_n(there.kept<MassMomentum>().of(1), 49, here.kept<MassMomentum>().of(1));
+  for (int t = 0; t < int(filled.tiles.size()); ++t) here.finish(t, sums.data());
+  expect_same_bits(sums, filled.sums_by_hand());
 }
 
 }  // namespace talus::windows_test

@@ -125,15 +125,6 @@ TALUS_HD void clear_window(Node* window) {
   for (int i = 0; i < TileLayout<Dim, Shape>::n_window; ++i) window[i] = Node{};
 }
 
-/// Adds the window of a tile's neighbour at the tile's nodes, `sums`. The number of the neighbour is known to the compiler,
-/// and so is how often loops run.
-template <int neighbour, int Dim, class Shape, class Node>
-TALUS_INLINE TALUS_HD void add_part(const Node* window, Node* sums) {
-  constexpr Index<Dim> offset = offset_of<Dim>(neighbour);
-  detail::for_each_shared<Dim, Shape>(
-      offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
-}
-
 /// Adds the windows of all occupied tiles at the nodes of tile t, in the order of the neighbours; for a device, while the host
 /// adds them in the order of tiles (windows.hpp).
 /// `windows`: those of all tiles, one after the other.
@@ -144,7 +135,10 @@ TALUS_FLATTEN TALUS_HD void add_windows(const Tile<Dim>* tiles, int t, const Nod
   const auto add = [&]<int neighbour>(std::integral_constant<int, neighbour>) {
     const int other = tiles[t].neighbours[neighbour];
     if (other < 0 || !tiles[other].occupied) return;
-    add_part<neighbour, Dim, Shape>(windows + std::size_t(other) * Layout::n_window, sums);
+    const Node* window = windows + std::size_t(other) * Layout::n_window;
+    constexpr Index<Dim> offset = offset_of<Dim>(neighbour);  // known to the compiler, and so is how often loops run
+    detail::for_each_shared<Dim, Shape>(
+        offset, [&](int own, int theirs) { store_node(sums[own], load_node(sums[own]) + load_node(window[theirs])); });
   };
   [&]<int... neighbours>(std::integer_sequence<int, neighbours...>) {
     (add(std::integral_constant<int, neighbours>()), ...);
