@@ -9,8 +9,14 @@
 #include <random>
 
 #include "mpm/by_hand.hpp"
+#include "talus/mpm/kernel/filter.hpp"
 
 namespace talus::windows_test {
+
+template <class Node>
+void fill_with_rubbish(std::vector<Node>& nodes) {
+  std::fill_n(reinterpret_cast<double*>(nodes.data()), nodes.size() * sizeof(Node) / sizeof(double), rubbish);
+}
 
 /// Tiles and what the particles of each occupied one have added to its window: random numbers.
 template <int Dim, class Shape, class Node>
@@ -62,7 +68,7 @@ struct Filled {
   std::vector<Node> sums_in_order(const std::vector<int>& order, int n_workers, int one_kept_in = 0) const {
     auto w = windows_for(n_workers);
     auto sums = nodes();
-    std::fill_n(reinterpret_cast<double*>(sums.data()), sums.size() * sizeof(Node) / sizeof(double), rubbish);
+    fill_with_rubbish(sums);
     int next = 0;
     for (const int t : order) {
       add(w, t, next % n_workers, sums.data(), one_kept_in > 0 && next % one_kept_in == 0);
@@ -154,31 +160,56 @@ TEST(Windows, AreKeptOnlyWhereTheirTurnHasNotCome) {
   for (int t = 0; t < 3; ++t) filled.add(w, t, 0, sums.data());
   const std::size_t of_thread = w.bytes();
   w.begin();
+  fill_with_rubbish(sums);
   filled.add(w, 2, 0, sums.data());
   EXPECT_GT(w.bytes(), of_thread);
   const auto expected = filled.sums_by_hand();
-  for (int t = 0; t < int(filled.tiles.size()); ++t) {  // right of x = 2 no other window reaches
+  int n_alone = 0;  // tiles that no other window reaches
+  for (int t = 0; t < int(filled.tiles.size()); ++t) {
     if (filled.tiles[std::size_t(t)].place[0] != 3) continue;
+    ++n_alone;
     for (int i = t * 16; i < (t + 1) * 16; ++i) EXPECT_EQ(sums[std::size_t(i)].mass, expected[std::size_t(i)].mass);
   }
+  EXPECT_EQ(n_alone, 3);
 }
 
-TEST(Windows, RoomForWhatIsKeptDoesNotGrowFromSumToSum) {
+TEST(Windows, RoomForPartsIsUsedAgainAndLessThanForWholeWindows) {
   std::vector<Index<2>> places;
-  for (int i = 0; i < 400; ++i) places.push_back(unflatten<2>(i, 20));
+  for (int i = 0; i < 414; ++i) places.push_back(unflatten<2>(i, 23));
   const Filled<2, Quadratic, MassMomentum> filled(places);
+  const auto expected = filled.sums_by_hand();
   auto w = filled.windows_for(1);
   auto sums = filled.nodes();
-  const auto add_backwards = [&] {  // all are kept
+  const auto add_backwards = [&](bool keeps) {  // parts of all have to wait
     w.begin();
-    for (int t = 399; t >= 0; --t) filled.add(w, t, 0, sums.data());
+    fill_with_rubbish(sums);
+    for (int t = 413; t >= 0; --t) filled.add(w, t, 0, sums.data(), keeps);
     for (int t = 0; t < int(filled.tiles.size()); ++t) w.finish(t, sums.data());
+    expect_same_bits(sums, expected);
     return w.bytes();
   };
-  const std::size_t once = add_backwards();
-  EXPECT_LT(once, 2 * 400 * 49 * sizeof(MassMomentum)) << "two times the windows";
-  EXPECT_EQ(add_backwards(), once);
-  expect_same_bits(sums, filled.sums_by_hand());
+  const std::size_t parts = add_backwards(false);
+  EXPECT_EQ(add_backwards(false), parts);
+  EXPECT_GT(add_backwards(true), parts);
+}
+
+TEST(Windows, KindsOfNodesTakeTurnsInTheSameRoom) {
+  std::vector<Index<3>> places;
+  for (int i = 0; i < 27; ++i) places.push_back(unflatten<3>(i, 3));
+  auto w = Filled<3, Cubic, double>(places).windows_for(1);
+  const auto add_backwards = [&]<class Node>(const Filled<3, Cubic, Node>& filled) {
+    w.rest_on(filled.tiles.data(), int(filled.tiles.size()), *make_serial());
+    for (int round = 0; round < 2; ++round) {
+      auto sums = filled.nodes();
+      w.begin();
+      for (int t = 26; t >= 0; --t) filled.add(w, t, 0, sums.data());
+      for (int t = 0; t < int(filled.tiles.size()); ++t) w.finish(t, sums.data());
+      expect_same_bits(sums, filled.sums_by_hand());
+    }
+  };
+  add_backwards(Filled<3, Cubic, double>(places));
+  add_backwards(Filled<3, Cubic, EightMoments>(places));
+  add_backwards(Filled<3, Cubic, MassMomentum>(places));
 }
 
 TEST(Windows, AnOwnerAddsTheWindowsThatOthersHaveSent) {

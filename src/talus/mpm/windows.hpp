@@ -34,7 +34,8 @@ class Windows {
     tiles_ = tiles;
     turns_.resize(std::size_t(n_tiles));
     for_each_of(backend, turns_.size(), [&](std::size_t t) { find_turns(int(t)); });
-    for (Worker& worker : workers_) worker.rooms.clear();  // there may once have been far more than are needed
+    for (Worker& worker : workers_)  // there may once have been far more than are needed
+      worker.rooms.resize(std::min<std::size_t>(worker.rooms.size(), 1));
     begin();
   }
 
@@ -112,7 +113,7 @@ class Windows {
     }
   }
 
-  /// The windows that are kept, for their exchange between owners: part after part.
+  /// The windows that are kept whole, and those of other owners, for their exchange: part after part.
   template <class Node>
   struct Kept {
     using Value = Node;
@@ -148,7 +149,7 @@ class Windows {
   /// Parts of a window that are kept, each for the nodes of a tile around it: part n for the tile that sees the window's as
   /// neighbour n. Their nodes are behind it.
   struct alignas(64) KeptParts {
-    std::array<unsigned short, n_neighbours<Dim>> first;  ///< node of each part
+    std::array<unsigned short, n_neighbours<Dim>> first;  ///< node of each part that is kept
 
     template <class Node>
     Node* part(int n) {
@@ -203,7 +204,8 @@ class Windows {
   }
   /// Memory of a thread for the parts of one more window.
   template <class Node>
-  KeptParts* place_to_keep(int worker) {
+  TALUS_NOINLINE KeptParts* place_to_keep(int worker) {
+    static_assert(std::is_trivially_copyable_v<Node> && alignof(Node) <= alignof(KeptParts));
     constexpr std::size_t room = std::size_t(1) << 17, most = sizeof(KeptParts) + bytes_of<Node>;
     Worker& of = workers_[std::size_t(worker)];
     if (of.n_full < of.rooms.size() && of.used + most > of.rooms[of.n_full]->bytes() && of.used > 0) {

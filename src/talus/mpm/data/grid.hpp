@@ -116,9 +116,11 @@ class Room {
   void enlarge(std::size_t bytes) {
     if (bytes <= bytes_) return;
     constexpr std::size_t line = 64;
-    bytes_ = (bytes + bytes / 64 + line - 1) / line * line;
+    bytes_ = 0;  // should there be no more memory
     memory_.reset();
-    memory_ = large_memory(bytes_);
+    const std::size_t more = (bytes + bytes / 64 + line - 1) / line * line;
+    memory_ = large_memory(more);
+    bytes_ = more;
   }
   /// The place of values a number of bytes behind the beginning.
   template <class Value>
