@@ -217,9 +217,13 @@ TEST(Windows, AnOwnerAddsTheWindowsThatOthersHaveSent) {
   auto here = filled.windows_for(1), there = filled.windows_for(1);
   auto sums = filled.nodes(), others = filled.nodes();
   filled.add(there, 1, 0, others.data(), true);
+  const MassMomentum* sent = there.kept<MassMomentum>().of(1);
+  for (int i = 0; i < 49; ++i)  // in the order of parts
+    EXPECT_EQ(
+        std::count_if(sent, sent + 49, [&](const auto& node) { return node.mass == filled.window_of(1)[i].mass; }), 1);
   filled.add(here, 2, 0, sums.data());
   filled.add(here, 0, 0, sums.data());
-  std::copy_n(there.kept<MassMomentum>().of(1), 49, here.kept<MassMomentum>().of(1));
+  std::copy_n(sent, 49, here.kept<MassMomentum>().of(1));
   for (int t = 0; t < int(filled.tiles.size()); ++t) here.finish(t, sums.data());
   expect_same_bits(sums, filled.sums_by_hand());
 }

@@ -132,7 +132,7 @@ class Windows {
 
   /// Memory [bytes].
   std::size_t bytes() const {
-    std::size_t n = turns_.capacity() * (sizeof(Turns) + sizeof(KeptParts*) + 1);
+    std::size_t n = turns_.capacity() * (sizeof(Turns) + 1 + sizeof(void*));
     for (const Worker& worker : workers_) {
       n += worker.open.bytes();
       for (const auto& room : worker.rooms) n += room->bytes();
